@@ -1,0 +1,10 @@
+//! Frames, rays, boxes, polygons and the bounding volume hierarchy. Knows nothing of light.
+
+mod aabb;
+mod bvh;
+mod frame;
+pub mod polygon;
+
+pub use aabb::Aabb;
+pub use bvh::{Bvh, Hit, Ray};
+pub use frame::Frame;

@@ -1,0 +1,11 @@
+//! Surfaces split into patches, the unknowns of the system.
+//!
+//! Coplanar neighbours of one object and material are joined into a [`Region`], the unit of
+//! occlusion. A region carries a grid; every cell of it, clipped to the region's outline, makes one
+//! [`Piece`] or several, and pieces are grouped into [`Patch`]es, at most one a side.
+
+mod build;
+mod types;
+
+pub use build::{MeshError, MeshSettings, PatchTarget, build};
+pub use types::{MeshStatistics, NO_PATCH, Patch, PatchMesh, Piece, PieceCorner, Region, Side};

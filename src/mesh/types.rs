@@ -1,0 +1,203 @@
+use crate::geometry::{Aabb, Frame};
+use glam::{DVec2, DVec3};
+use std::ops::Range;
+
+/// Stands for "no patch" in patch indices.
+pub const NO_PATCH: u32 = u32::MAX;
+
+/// A side of a surface. The front is the one from which the corners run counter-clockwise.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+#[repr(u8)]
+pub enum Side {
+    /// Towards the normal.
+    Front = 0,
+    /// Against the normal.
+    Back = 1,
+}
+
+impl Side {
+    /// +1 for the front, -1 for the back.
+    pub fn sign(self) -> f64 {
+        match self {
+            Self::Front => 1.0,
+            Self::Back => -1.0,
+        }
+    }
+}
+
+/// A planar piece of the scene that occludes as one: one surface, or coplanar neighbours joined.
+#[derive(Clone, Debug)]
+pub struct Region {
+    /// Origin of the plane coordinates (u, v), in metres.
+    pub origin: DVec3,
+    /// Axes of the plane coordinates: tangent is u, bitangent is v, normal is the front's.
+    pub frame: Frame,
+    /// Directed edges of the outline in plane coordinates, metres; inside lies left of each.
+    /// Holes and several loops need no order: a line's crossings are paired by parity.
+    pub edges: Vec<[DVec2; 2]>,
+    /// Lower corner of the patch grid in plane coordinates.
+    pub grid_min: DVec2,
+    /// Edge lengths of a grid cell, metres; above zero.
+    pub cell_size: DVec2,
+    /// Cells along u and v, at least one each.
+    pub cells: [u32; 2],
+    /// Where this region's cells start in [`PatchMesh::cell_pieces`]; cell (i, j) is `i + j * cells[0]`.
+    pub first_cell: u32,
+    /// The pieces of this region in [`PatchMesh::pieces`].
+    pub pieces: Range<u32>,
+    /// Index into the scene's materials.
+    pub material: u32,
+    /// Index into the scene's objects.
+    pub object: u32,
+    /// A box around it, metres.
+    pub bounds: Aabb,
+    /// Area of one side, m².
+    pub area: f64,
+}
+
+/// A convex part of a surface inside one grid cell: what is drawn, and what a line of sight meets.
+#[derive(Clone, Debug)]
+pub struct Piece {
+    /// The region that it is a part of.
+    pub region: u32,
+    /// The input surface that it is a part of.
+    pub surface: u32,
+    /// Its corners in [`PatchMesh::corners`], counter-clockwise from the front; three or more.
+    pub corners: Range<u32>,
+    /// The patch on its front and on its back; [`NO_PATCH`] where that side takes no part.
+    pub patches: [u32; 2],
+    /// Area of one side, m².
+    pub area: f64,
+}
+
+/// A corner of a [`Piece`].
+#[derive(Clone, Copy, Debug)]
+pub struct PieceCorner {
+    /// Index into [`PatchMesh::vertices`]; neighbours on one region share it.
+    pub vertex: u32,
+    /// Plane coordinates in the region, metres.
+    pub plane: DVec2,
+    /// Unit normal on the front: the region's, or the smooth surface's own here.
+    pub normal: DVec3,
+    /// Texture coordinates; zero where the surface has none.
+    pub uv: DVec2,
+}
+
+/// One unknown of the system: a part of one side of a region, of one reflectance and radiosity.
+#[derive(Clone, Debug)]
+pub struct Patch {
+    /// The region that it lies on.
+    pub region: u32,
+    /// The side that it lies on.
+    pub side: Side,
+    /// The input surface that most of it belongs to.
+    pub surface: u32,
+    /// Index into the scene's materials.
+    pub material: u32,
+    /// Index into the scene's luminaires where it emits.
+    pub luminaire: Option<u32>,
+    /// Its pieces in [`PatchMesh::patch_pieces`].
+    pub pieces: Range<u32>,
+    /// Centroid, metres; on the region's plane and inside one of the pieces.
+    pub centre: DVec3,
+    /// Unit normal of its side.
+    pub normal: DVec3,
+    /// Area, m².
+    pub area: f64,
+    /// Reflectance per band, averaged over the patch where textured; 0 to `MAX_REFLECTANCE`.
+    pub reflectance: [f64; 3],
+    /// Exitance per band relative to that of its luminaire; zero where it does not emit.
+    pub emission_weight: [f64; 3],
+    /// Radius of the smallest sphere around `centre` that holds the patch, metres.
+    pub radius: f64,
+}
+
+/// The scene cut into patches.
+#[derive(Clone, Debug, Default)]
+pub struct PatchMesh {
+    /// Positions, metres.
+    pub vertices: Vec<DVec3>,
+    /// Corners of all pieces.
+    pub corners: Vec<PieceCorner>,
+    /// All pieces, ordered by region and cell.
+    pub pieces: Vec<Piece>,
+    /// All regions.
+    pub regions: Vec<Region>,
+    /// All patches.
+    pub patches: Vec<Patch>,
+    /// Piece indices of each patch, one range a patch.
+    pub patch_pieces: Vec<u32>,
+    /// For each cell of each region its range in [`PatchMesh::piece_lists`].
+    pub cell_pieces: Vec<Range<u32>>,
+    /// Indices of the pieces that overlap a cell.
+    pub piece_lists: Vec<u32>,
+    /// Diagonal of the box around everything, metres.
+    pub size: f64,
+    /// Counts and shapes.
+    pub statistics: MeshStatistics,
+}
+
+impl PatchMesh {
+    /// Pieces of a patch.
+    pub fn pieces_of<'a>(&'a self, patch: &Patch) -> impl Iterator<Item = &'a Piece> + use<'a> {
+        let range = patch.pieces.start as usize..patch.pieces.end as usize;
+        self.patch_pieces[range].iter().map(|&p| &self.pieces[p as usize])
+    }
+
+    /// Corners of a piece.
+    pub fn corners_of(&self, piece: &Piece) -> &[PieceCorner] {
+        &self.corners[piece.corners.start as usize..piece.corners.end as usize]
+    }
+
+    /// Corner positions of a piece, counter-clockwise as seen from `side`, metres.
+    pub fn polygon(&self, piece: &Piece, side: Side) -> Vec<DVec3> {
+        let front = self.corners_of(piece).iter().map(|c| self.vertices[c.vertex as usize]);
+        match side {
+            Side::Front => front.collect(),
+            Side::Back => front.rev().collect(),
+        }
+    }
+
+    /// All pieces as triangles (fans), each with the index of its piece.
+    pub fn triangles(&self) -> (Vec<[DVec3; 3]>, Vec<u32>) {
+        let (mut triangles, mut pieces) = (Vec::new(), Vec::new());
+        for (index, piece) in self.pieces.iter().enumerate() {
+            let corners = self.corners_of(piece);
+            let at = |k: usize| self.vertices[corners[k].vertex as usize];
+            for k in 1..corners.len() - 1 {
+                triangles.push([at(0), at(k), at(k + 1)]);
+                pieces.push(index as u32);
+            }
+        }
+        (triangles, pieces)
+    }
+}
+
+/// Counts and shapes of a mesh.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct MeshStatistics {
+    /// Patches in all.
+    pub patches: usize,
+    /// Patches that emit.
+    pub emitters: usize,
+    /// Joined planar regions.
+    pub regions: usize,
+    /// Input surfaces.
+    pub surfaces: usize,
+    /// Sides that take no part because no light can reach them.
+    pub dark_sides: usize,
+    /// Surfaces dropped for want of area.
+    pub dropped: usize,
+    /// Total area of all patches, m².
+    pub area: f64,
+    /// Smallest patch, m².
+    pub smallest_area: f64,
+    /// Largest patch, m².
+    pub largest_area: f64,
+    /// Median over patches of (longest extent)² / area; 1 for a square, counted on its own axes.
+    pub median_aspect: f64,
+    /// Largest of these.
+    pub worst_aspect: f64,
+    /// The edge length that was aimed at, metres.
+    pub patch_size: f64,
+}

@@ -1,0 +1,316 @@
+use crate::geometry::Aabb;
+use glam::{DVec2, DVec3};
+use std::path::PathBuf;
+
+/// Lumens per watt of equal-energy white in the three bands (the convention of Radiance,
+/// Ward 1994: 179 lm/W).
+pub const LUMINOUS_EFFICACY: f64 = 179.0;
+
+/// Reflectances are clamped to this: no diffuse paint exceeds it, and the light must settle.
+pub const MAX_REFLECTANCE: f64 = 0.98;
+
+/// Rec. 709 luminance of linear R, G, B.
+pub fn luminance_weighted(rgb: [f64; 3]) -> f64 {
+    0.2126 * rgb[0] + 0.7152 * rgb[1] + 0.0722 * rgb[2]
+}
+
+/// Illuminance in lux of an irradiance in W/m² per band.
+pub fn illuminance(irradiance: [f64; 3]) -> f64 {
+    LUMINOUS_EFFICACY * luminance_weighted(irradiance)
+}
+
+/// A model: polygons with names, materials, lamps and views. Lengths are metres.
+#[derive(Clone, Debug)]
+pub struct Scene {
+    /// File stem or the name of the embedded scene.
+    pub name: String,
+    /// Where it came from, for reloading.
+    pub source: SceneSource,
+    /// The unit of the file; positions here are metres already.
+    pub unit: LengthUnit,
+    /// Which way is up in the file and here (axes are kept).
+    pub up: UpAxis,
+    /// Corner positions, metres.
+    pub positions: Vec<DVec3>,
+    /// Unit normals that the file gives for smooth surfaces.
+    pub normals: Vec<DVec3>,
+    /// Texture coordinates, v upwards.
+    pub uvs: Vec<DVec2>,
+    /// The polygons, planar to within a part in a thousand of their size (the reader splits others).
+    pub surfaces: Vec<Surface>,
+    /// Names of objects and groups; [`Surface::object`] points here.
+    pub objects: Vec<String>,
+    /// Materials; [`Surface::material`] points here.
+    pub materials: Vec<Material>,
+    /// Decoded images of `map_Kd`; [`Material::texture`] points here.
+    pub textures: Vec<Texture>,
+    /// The lamps that a user can switch, in a stable order.
+    pub luminaires: Vec<Luminaire>,
+    /// Bookmarks; never empty (the reader makes one up where the file has none).
+    pub views: Vec<View>,
+    /// Index into `views` of the view to start from.
+    pub start_view: usize,
+    /// Edge of a patch that the sidecar asks for, metres; chosen from the scene's area otherwise.
+    pub patch_size: Option<f64>,
+    /// What the reader noticed, repaired or dropped.
+    pub findings: Vec<Finding>,
+}
+
+impl Scene {
+    /// The box around all surfaces, metres.
+    pub fn bounds(&self) -> Aabb {
+        Aabb::around(
+            self.surfaces.iter().flat_map(|s| &s.corners).map(|c| self.positions[c.position as usize]),
+        )
+    }
+
+    /// Corner positions of a surface in order, metres.
+    pub fn polygon(&self, surface: &Surface) -> Vec<DVec3> {
+        surface.corners.iter().map(|c| self.positions[c.position as usize]).collect()
+    }
+
+    /// The state in which the lamps come with the file.
+    pub fn lighting(&self) -> Lighting {
+        Lighting { lamps: self.luminaires.iter().map(|l| l.initial).collect() }
+    }
+
+    /// Index of the luminaire with this name: exact first, then ignoring case.
+    pub fn luminaire_named(&self, name: &str) -> Option<usize> {
+        let exact = self.luminaires.iter().position(|l| l.name == name);
+        exact.or_else(|| self.luminaires.iter().position(|l| l.name.eq_ignore_ascii_case(name)))
+    }
+
+    /// Index of the view with this name: exact first, then ignoring case.
+    pub fn view_named(&self, name: &str) -> Option<usize> {
+        let exact = self.views.iter().position(|v| v.name == name);
+        exact.or_else(|| self.views.iter().position(|v| v.name.eq_ignore_ascii_case(name)))
+    }
+}
+
+/// Where a scene comes from.
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
+pub enum SceneSource {
+    /// An OBJ file.
+    File(PathBuf),
+    /// An embedded scene, by name.
+    Builtin(String),
+}
+
+impl std::fmt::Display for SceneSource {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        match self {
+            Self::File(path) => write!(f, "{}", path.display()),
+            Self::Builtin(name) => write!(f, "builtin:{name}"),
+        }
+    }
+}
+
+impl From<&str> for SceneSource {
+    /// `builtin:NAME` or a path.
+    fn from(text: &str) -> Self {
+        match text.strip_prefix("builtin:") {
+            Some(name) => Self::Builtin(name.to_owned()),
+            None => Self::File(PathBuf::from(text)),
+        }
+    }
+}
+
+/// One input polygon: planar, at least three corners, any simple outline.
+#[derive(Clone, Debug)]
+pub struct Surface {
+    /// The outline; counter-clockwise as seen from the front.
+    pub corners: Vec<Corner>,
+    /// Index into [`Scene::objects`].
+    pub object: u32,
+    /// Index into [`Scene::materials`].
+    pub material: u32,
+    /// Index into [`Scene::luminaires`] where this surface emits.
+    pub luminaire: Option<u32>,
+    /// Radiant exitance of the front side per band, relative to the luminaire's
+    /// [`LampState::exitance`] (0 to 1, 1 where all its surfaces are alike); zero where it does not emit.
+    pub emission_weight: [f64; 3],
+    /// Whether the back side emits as the front does.
+    pub emits_back: bool,
+}
+
+/// One corner of a [`Surface`]: indices into the scene's arrays.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Corner {
+    /// Index into [`Scene::positions`].
+    pub position: u32,
+    /// Index into [`Scene::normals`].
+    pub normal: Option<u32>,
+    /// Index into [`Scene::uvs`].
+    pub uv: Option<u32>,
+}
+
+/// A diffuse material.
+#[derive(Clone, Debug)]
+pub struct Material {
+    /// Name in the MTL file.
+    pub name: String,
+    /// Diffuse reflectance per band, 0 to [`MAX_REFLECTANCE`]; with a texture, its factor.
+    pub reflectance: [f64; 3],
+    /// Index into [`Scene::textures`].
+    pub texture: Option<u32>,
+    /// Which sides reflect.
+    pub sides: Sides,
+}
+
+/// Which sides of a surface take part.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Sides {
+    /// Every side that light can reach.
+    #[default]
+    Auto,
+    /// The front alone; the back is black.
+    Front,
+    /// Both, whether light is found to reach them or not.
+    Both,
+}
+
+/// A decoded image in linear light, row by row from the top.
+#[derive(Clone, Debug)]
+pub struct Texture {
+    /// File name, for messages.
+    pub name: String,
+    /// Pixels across.
+    pub width: u32,
+    /// Pixels down.
+    pub height: u32,
+    /// Linear R, G, B in 0..1, `width * height` of them.
+    pub pixels: Vec<[f32; 3]>,
+}
+
+/// A lamp that a person recognises and switches as one.
+#[derive(Clone, Debug)]
+pub struct Luminaire {
+    /// What the user reads: "Kitchen pendant".
+    pub name: String,
+    /// Total emitting area, m².
+    pub area: f64,
+    /// How it comes with the file.
+    pub initial: LampState,
+}
+
+/// The state of one lamp. Its exitance is `on * dimmer * exitance`.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct LampState {
+    /// Switched on.
+    pub on: bool,
+    /// 0 to 1, linear in light.
+    pub dimmer: f64,
+    /// Radiant exitance at full output, W/m² per band: colour and strength in one. Where the
+    /// surfaces of one lamp differ, that of the brightest; the others keep their ratio to it.
+    pub exitance: [f64; 3],
+}
+
+impl LampState {
+    /// Exitance as switched and dimmed, W/m² per band.
+    pub fn output(&self) -> [f64; 3] {
+        let factor = if self.on { self.dimmer } else { 0.0 };
+        self.exitance.map(|e| e * factor)
+    }
+}
+
+/// The state of all lamps, in the order of [`Scene::luminaires`].
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Lighting {
+    /// One entry a luminaire.
+    pub lamps: Vec<LampState>,
+}
+
+/// A bookmark: a place to stand and a way to look.
+#[derive(Clone, Debug, PartialEq)]
+pub struct View {
+    /// What the user reads.
+    pub name: String,
+    /// Eye, metres.
+    pub eye: DVec3,
+    /// A point looked at, metres; differs from the eye.
+    pub target: DVec3,
+    /// Vertical field of view, degrees, 5 to 150.
+    pub fov_y_deg: f64,
+}
+
+/// A length unit of a file.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum LengthUnit {
+    /// 0.001 m
+    Millimetre,
+    /// 0.01 m
+    Centimetre,
+    /// 1 m
+    #[default]
+    Metre,
+    /// 0.0254 m
+    Inch,
+    /// 0.3048 m
+    Foot,
+}
+
+impl LengthUnit {
+    /// Metres in one unit.
+    pub fn metres(self) -> f64 {
+        match self {
+            Self::Millimetre => 0.001,
+            Self::Centimetre => 0.01,
+            Self::Metre => 1.0,
+            Self::Inch => 0.0254,
+            Self::Foot => 0.3048,
+        }
+    }
+
+    /// The abbreviation that the sidecar uses: mm, cm, m, in, ft.
+    pub fn symbol(self) -> &'static str {
+        match self {
+            Self::Millimetre => "mm",
+            Self::Centimetre => "cm",
+            Self::Metre => "m",
+            Self::Inch => "in",
+            Self::Foot => "ft",
+        }
+    }
+}
+
+/// Which axis points up.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum UpAxis {
+    /// +y, as most OBJ files have it.
+    #[default]
+    Y,
+    /// +z, as CAD programs have it.
+    Z,
+}
+
+impl UpAxis {
+    /// The unit vector upwards.
+    pub fn vector(self) -> DVec3 {
+        match self {
+            Self::Y => DVec3::Y,
+            Self::Z => DVec3::Z,
+        }
+    }
+}
+
+/// How much a [`Finding`] matters.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum Severity {
+    /// Good to know.
+    Note,
+    /// Repaired or doubtful; the result may differ from what was meant.
+    Warning,
+    /// Wrong; the part concerned was left out.
+    Error,
+}
+
+/// Something that the reader noticed about a model.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Finding {
+    /// How much it matters.
+    pub severity: Severity,
+    /// One sentence with names, counts and what was done about it.
+    pub message: String,
+    /// How many faces or materials it concerns.
+    pub count: usize,
+}
