@@ -105,6 +105,7 @@ pub fn build(scene: &Scene, settings: &MeshSettings) -> Result<PatchMesh, MeshEr
         return Err(MeshError::Empty);
     }
     mesh.statistics = statistics(&mesh, scene, &sides, dropped, patch_size);
+    mesh.contacts = contacts;
     Ok(mesh)
 }
 

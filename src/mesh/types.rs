@@ -134,6 +134,9 @@ pub struct PatchMesh {
     pub cell_pieces: Vec<Range<u32>>,
     /// Indices of the pieces that overlap a cell.
     pub piece_lists: Vec<u32>,
+    /// For each region the segments, in its plane coordinates, along which other surfaces stand on
+    /// it: the light may jump there. Empty where regions were not cut along them.
+    pub contacts: Vec<Vec<[DVec2; 2]>>,
     /// Diagonal of the box around everything, metres.
     pub size: f64,
     /// Counts and shapes.
