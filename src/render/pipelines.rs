@@ -6,7 +6,8 @@ pub(super) const PICTURE_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba
 /// Depth, reversed: one near, zero at infinity.
 pub(super) const DEPTH_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Depth32Float;
 
-const TONE: &str = include_str!("shaders/tone.wgsl");
+/// Tone maps and the sRGB code; stands before the other shaders.
+pub(super) const TONE: &str = include_str!("shaders/tone.wgsl");
 const SCENE: &str = include_str!("shaders/scene.wgsl");
 const COMPOSITE: &str = include_str!("shaders/composite.wgsl");
 
