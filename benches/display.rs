@@ -3,7 +3,9 @@
 use criterion::{Criterion, criterion_group, criterion_main};
 use lumenwalk::display::{DisplayMesh, Exposure, Shading, ToneMap};
 use lumenwalk::mesh::{MeshSettings, PatchMesh, PatchTarget, build};
-use lumenwalk::render::{Camera, Picker, StillInput, StillOptions, render_still};
+use lumenwalk::render::{
+    Camera, ColourSource, FrameInput, Gpu, Picker, StillInput, StillOptions, ViewportRenderer, render_still,
+};
 use lumenwalk::scene::{Scene, SceneSource, UpAxis, load};
 use lumenwalk::solver::LightBases;
 use std::hint::black_box;
@@ -71,5 +73,68 @@ fn display(criterion: &mut Criterion) {
     group.finish();
 }
 
-criterion_group!(benches, display);
+/// Frames at 1280 x 800 on whatever adapter there is, waited for; light uploaded before each.
+fn frames(criterion: &mut Criterion) {
+    let Ok(gpu) = Gpu::headless() else {
+        eprintln!("no graphics adapter: frames are not measured");
+        return;
+    };
+    let Gpu { device, queue, info } = &gpu;
+    let mut group = criterion.benchmark_group(format!("frame on {}", info.name));
+    let window = device.create_texture(&wgpu::TextureDescriptor {
+        label: Some("window"),
+        size: wgpu::Extent3d { width: 1280, height: 800, depth_or_array_layers: 1 },
+        mip_level_count: 1,
+        sample_count: 1,
+        dimension: wgpu::TextureDimension::D2,
+        format: wgpu::TextureFormat::Rgba8Unorm,
+        usage: wgpu::TextureUsages::RENDER_ATTACHMENT,
+        view_formats: &[],
+    });
+    let window = window.create_view(&wgpu::TextureViewDescriptor::default());
+    group.sample_size(20);
+    for name in ["builtin:hemicube", "builtin:house"] {
+        let scene = load(&SceneSource::from(name)).expect("an embedded scene");
+        let mesh = build(&scene, &MeshSettings::default()).expect("it has surfaces");
+        let display = DisplayMesh::build(&mesh, &scene, true);
+        let grey = vec![[1.0; 3]; mesh.patches.len()];
+        let light = display.corner_radiosity(&grey, &grey, Shading::Gouraud);
+        let mut renderer = ViewportRenderer::new(device, queue, wgpu::TextureFormat::Rgba8Unorm);
+        renderer.set_mesh(device, queue, &display, &scene.textures).expect("it fits");
+        let camera = Camera::from_view(&scene.views[scene.start_view], scene.up.vector());
+        let plain = FrameInput { multisample: false, ..FrameInput::new(camera, [1280, 800]) };
+        for (mode, frame) in [
+            ("plain", plain),
+            ("four samples", FrameInput { multisample: true, ..plain }),
+            ("wireframe", FrameInput { wireframe: true, ..plain }),
+            ("normals", FrameInput { source: ColourSource::Normals, ..plain }),
+        ] {
+            group.bench_function(format!("{name}, {} patches, {mode}", mesh.patches.len()), |b| {
+                b.iter(|| {
+                    renderer.set_light(queue, &light);
+                    let commands = renderer.prepare(device, queue, &frame);
+                    let mut encoder =
+                        device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+                    let attachment = wgpu::RenderPassColorAttachment {
+                        view: &window,
+                        depth_slice: None,
+                        resolve_target: None,
+                        ops: wgpu::Operations::default(),
+                    };
+                    let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+                        color_attachments: &[Some(attachment)],
+                        ..Default::default()
+                    });
+                    renderer.paint(&mut pass);
+                    drop(pass);
+                    queue.submit([commands, encoder.finish()]);
+                    device.poll(wgpu::PollType::wait_indefinitely()).expect("the device answers");
+                });
+            });
+        }
+    }
+    group.finish();
+}
+
+criterion_group!(benches, display, frames);
 criterion_main!(benches);

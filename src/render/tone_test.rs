@@ -108,7 +108,7 @@ fn run(gpu: &Gpu, index: usize, input: &[[f32; 4]]) -> Vec<[f32; 4]> {
     }
     queue.submit([encoder.finish()]);
     let bytes = read_texture(device, queue, &mapped).expect("readback");
-    bytes.chunks_exact(16).map(|texel| bytemuck::pod_read_unaligned(texel)).collect()
+    bytes.chunks_exact(16).map(bytemuck::pod_read_unaligned).collect()
 }
 
 #[test]
