@@ -3,11 +3,12 @@ use crate::session::{Progress, Stage};
 use std::io::{self, IsTerminal as _, Write as _};
 use std::time::{Duration, Instant};
 
-/// Where a solve stands, on standard error: one line drawn again on a terminal, a line now and then
+/// Where work stands, on standard error: one line drawn again on a terminal, a line now and then
 /// elsewhere.
 pub(super) struct ProgressLine {
     terminal: bool,
-    last: Option<(Stage, Instant)>,
+    /// Which stage was told last, and when.
+    last: Option<(&'static str, Instant)>,
 }
 
 impl ProgressLine {
@@ -15,30 +16,28 @@ impl ProgressLine {
         Self { terminal: io::stderr().is_terminal(), last: None }
     }
 
-    /// Shows it if it is news or time.
-    pub(super) fn show(&mut self, progress: &Progress<'_>) {
+    /// Shows where a solve stands, if it is news or time.
+    pub(super) fn solve(&mut self, progress: &Progress<'_>) {
+        self.show(stage_name(progress.stage), || describe(progress));
+    }
+
+    /// Shows how much of a picture is done, 0 to 1, if it is time.
+    pub(super) fn picture(&mut self, share: f64) {
+        self.show("picture", || line("picture", share));
+    }
+
+    fn show(&mut self, stage: &'static str, line: impl FnOnce() -> String) {
         let interval = Duration::from_millis(if self.terminal { 100 } else { 10_000 });
-        if self.last.is_some_and(|(stage, at)| stage == progress.stage && at.elapsed() < interval) {
+        if self.last.is_some_and(|(last, at)| last == stage && at.elapsed() < interval) {
             return;
         }
-        self.last = Some((progress.stage, Instant::now()));
-        let line = describe(progress);
+        self.last = Some((stage, Instant::now()));
         let mut err = io::stderr().lock();
         // Nobody looks if this fails.
         let _ = if self.terminal {
-            write!(err, "\r{line}\x1b[K").and_then(|()| err.flush())
+            write!(err, "\r{}\x1b[K", line()).and_then(|()| err.flush())
         } else {
-            writeln!(err, "{line}")
-        };
-    }
-
-    /// Shows a message of a stage that has no fractions.
-    pub(super) fn note(&self, message: &str) {
-        let mut err = io::stderr().lock();
-        let _ = if self.terminal {
-            write!(err, "\r{message}\x1b[K").and_then(|()| err.flush())
-        } else {
-            writeln!(err, "{message}")
+            writeln!(err, "{}", line())
         };
     }
 }
@@ -51,19 +50,26 @@ impl Drop for ProgressLine {
     }
 }
 
-fn describe(progress: &Progress<'_>) -> String {
-    let stage = match progress.stage {
+fn stage_name(stage: Stage) -> &'static str {
+    match stage {
         Stage::Idle => "waiting",
         Stage::Loading => "loading",
-        Stage::Meshing => "splitting into patches",
+        Stage::Meshing => "meshing",
         Stage::FirstLight => "first light",
         Stage::Rows => "form factors",
         Stage::Sweeping => "sweeping",
         Stage::Converged => "converged",
         Stage::Stopped => "stopped",
         Stage::Failed => "failed",
-    };
-    let mut line = format!("{stage:<14} {:3.0} %", 100.0 * progress.fraction.clamp(0.0, 1.0));
+    }
+}
+
+fn line(stage: &str, share: f64) -> String {
+    format!("{stage:<12} {:3.0} %", 100.0 * share.clamp(0.0, 1.0))
+}
+
+fn describe(progress: &Progress<'_>) -> String {
+    let mut line = line(stage_name(progress.stage), progress.fraction);
     let (done, all) = progress.rows;
     match progress.sweeps.last() {
         Some(sweep) => line += &format!(
@@ -97,11 +103,11 @@ mod tests {
             sweeps: &[],
             bases: None,
         };
-        assert_eq!(describe(&progress), "form factors    63 %, 12,800 of 20,312 rows, 4.20 s left");
+        assert_eq!(describe(&progress), "form factors  63 %, 12,800 of 20,312 rows, 4.20 s left");
         let sweeps = [SweepReport { sweep: 3, residual: 0.0125, ..SweepReport::default() }];
         progress.sweeps = &sweeps;
         progress.stage = Stage::Sweeping;
         progress.seconds_left = None;
-        assert_eq!(describe(&progress), "sweeping        63 %, sweep 3, residual 0.0125");
+        assert_eq!(describe(&progress), "sweeping      63 %, sweep 3, residual 0.0125");
     }
 }

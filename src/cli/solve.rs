@@ -179,7 +179,7 @@ pub(super) fn solve(
 ) -> Result<(Solved, PatchLight), Failure> {
     let mut line = ProgressLine::new();
     let solved = session::solve(scene, settings, &mut |progress| {
-        line.show(&progress);
+        line.solve(&progress);
         Control::Continue
     })?;
     let light = solved.bases.mix(&solved.mesh, lighting, &solved.reflectance);
