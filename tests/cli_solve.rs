@@ -34,9 +34,7 @@ fn direct_light_at_points_is_that_of_the_closed_form() {
     let place = Workplace::with_room(0.0);
     // Under the middle of the lamp, under its corner, and beside it where it is out of sight.
     place.put("p.csv", "x,y,z,nx,ny,nz\n1000,0,1000,0,1,0\n750,500,750,0,3,0\n1000,1800,1000,0,1,0\n");
-    place.succeed(&[
-        "solve", "room.obj", "--patches", "400", "--points", "p.csv", "--irradiance", "o.csv",
-    ]);
+    place.succeed(&["solve", "room.obj", "--patches", "400", "--points", "p.csv", "--irradiance", "o.csv"]);
     let out = place.text("o.csv");
     let expected = [4.0 * corner_factor(0.25, 0.25, 1.5), corner_factor(0.5, 0.5, 1.0), 0.0];
     for (band, exitance) in [("irradiance_r", 10.0), ("irradiance_g", 20.0), ("irradiance_b", 30.0)] {
@@ -77,8 +75,20 @@ fn dimming_scales_the_light_and_switching_off_ends_it() {
 fn every_output_is_written_and_they_agree_with_each_other() {
     let place = Workplace::with_room(0.5);
     let told = place.succeed(&[
-        "solve", "room.obj", "--patch-size", "250", "--image", "a.png", "--size", "96x64",
-        "--patch-table", "a.csv", "--mesh", "a.ply", "--report", "a.json",
+        "solve",
+        "room.obj",
+        "--patch-size",
+        "250",
+        "--image",
+        "a.png",
+        "--size",
+        "96x64",
+        "--patch-table",
+        "a.csv",
+        "--mesh",
+        "a.ply",
+        "--report",
+        "a.json",
     ]);
     place.succeed(&["solve", "room.obj", "--patch-size", "250", "--image", "a.exr", "--size", "96x64"]);
     for name in ["a.png", "a.csv", "a.ply", "a.json"] {
@@ -148,7 +158,14 @@ fn centres_of_the_table_can_be_gathered_at() {
         .collect();
     place.put("p.csv", &lines.join("\n"));
     place.succeed(&[
-        "solve", "room.obj", "--patch-size", "250", "--points", "p.csv", "--irradiance", "o.csv",
+        "solve",
+        "room.obj",
+        "--patch-size",
+        "250",
+        "--points",
+        "p.csv",
+        "--irradiance",
+        "o.csv",
     ]);
     let (patches, points) = (column(&table, "irradiance_g"), column(&place.text("o.csv"), "irradiance_g"));
     let mean = patches.iter().sum::<f64>() / patches.len() as f64;
@@ -161,7 +178,16 @@ fn centres_of_the_table_can_be_gathered_at() {
 fn the_result_does_not_depend_on_the_number_of_threads() {
     let place = Workplace::with_room(0.5);
     for (threads, table) in [("1", "one.csv"), ("3", "three.csv")] {
-        place.succeed(&["solve", "room.obj", "--patches", "300", "--threads", threads, "--patch-table", table]);
+        place.succeed(&[
+            "solve",
+            "room.obj",
+            "--patches",
+            "300",
+            "--threads",
+            threads,
+            "--patch-table",
+            table,
+        ]);
     }
     assert_eq!(place.text("one.csv"), place.text("three.csv"));
 }

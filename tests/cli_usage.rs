@@ -14,9 +14,28 @@ fn help_names_every_command_and_option() {
         assert!(help.contains(word), "{word} is missing:\n{help}");
     }
     let options = [
-        "--patch-size", "--patches", "--method", "--resolution", "--tolerance", "--on", "--off", "--dim",
-        "--view", "--eye", "--target", "--fov", "--size", "--image", "--patch-table", "--mesh",
-        "--points", "--irradiance", "--report", "--threads", "--with", "--without",
+        "--patch-size",
+        "--patches",
+        "--method",
+        "--resolution",
+        "--tolerance",
+        "--on",
+        "--off",
+        "--dim",
+        "--view",
+        "--eye",
+        "--target",
+        "--fov",
+        "--size",
+        "--image",
+        "--patch-table",
+        "--mesh",
+        "--points",
+        "--irradiance",
+        "--report",
+        "--threads",
+        "--with",
+        "--without",
     ];
     let help = place.succeed(&["solve", "--help"]);
     for option in options {

@@ -18,7 +18,6 @@ mod text;
 mod window;
 
 use clap::{Parser, Subcommand};
-use failure::Failure;
 use std::process::ExitCode;
 
 const EXIT_CODES: &str = "Exit codes: 0 done; 1 the command failed; 2 wrong usage or bad input.";

@@ -88,7 +88,8 @@ pub(super) fn write(
     let picker = Picker::new(&solved.mesh);
     let mut seen = vec![0_u32; solved.mesh.patches.len()];
     for (x, y) in (0..METER_GRID[1]).flat_map(|y| (0..METER_GRID[0]).map(move |x| (x, y))) {
-        let pixel = DVec2::new(f64::from(x) + 0.5, f64::from(y) + 0.5) / METER_GRID.map(f64::from).into();
+        let pixel =
+            DVec2::new(f64::from(x) + 0.5, f64::from(y) + 0.5) / DVec2::from(METER_GRID.map(f64::from));
         let ray = camera.ray(pixel * DVec2::from(size.map(f64::from)), size);
         if let Some(patch) = picker.pick(&ray).and_then(|pick| pick.patch) {
             seen[patch as usize] += 1;

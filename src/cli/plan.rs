@@ -22,7 +22,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
     let choices = arguments.effects.choices()?;
     let scene = scene::load(&SceneSource::from(arguments.scene.as_str()))?;
     let target = arguments.patches.target(scene.unit);
-    let mesh = mesh::build(&scene, &MeshSettings { target })?;
+    let mesh = mesh::build(&scene, &MeshSettings { target, ..MeshSettings::default() })?;
     let plan = effects::plan(&scene, &mesh, &choices);
     let counts = format!(
         "{}: {}, {}\n\n",

@@ -72,11 +72,9 @@ fn describe(progress: &Progress<'_>) -> String {
     let mut line = line(stage_name(progress.stage), progress.fraction);
     let (done, all) = progress.rows;
     match progress.sweeps.last() {
-        Some(sweep) => line += &format!(
-            ", sweep {}, residual {}",
-            sweep.sweep,
-            text::significant(sweep.residual)
-        ),
+        Some(sweep) => {
+            line += &format!(", sweep {}, residual {}", sweep.sweep, text::significant(sweep.residual))
+        }
         None if all > 0 => {
             line += &format!(", {} of {} rows", text::thousands(done), text::thousands(all));
         }

@@ -118,10 +118,7 @@ fn scene(scene: &Scene, lighting: &Lighting) -> SceneReport {
         materials: scene
             .materials
             .iter()
-            .map(|material| MaterialReport {
-                name: material.name.clone(),
-                reflectance: material.reflectance,
-            })
+            .map(|material| MaterialReport { name: material.name.clone(), reflectance: material.reflectance })
             .collect(),
         luminaires: scene
             .luminaires
@@ -148,12 +145,7 @@ fn scene(scene: &Scene, lighting: &Lighting) -> SceneReport {
 }
 
 /// Sum of E A and of (1 - rho) H A over patches and bands, W.
-fn power(
-    mesh: &PatchMesh,
-    lighting: &Lighting,
-    light: &PatchLight,
-    reflectance: &[[f32; 3]],
-) -> PowerReport {
+fn power(mesh: &PatchMesh, lighting: &Lighting, light: &PatchLight, reflectance: &[[f32; 3]]) -> PowerReport {
     let (mut emitted, mut absorbed) = (0.0, 0.0);
     for ((patch, irradiance), rho) in mesh.patches.iter().zip(&light.irradiance).zip(reflectance) {
         let exitance = patch_emission(patch, lighting);

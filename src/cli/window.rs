@@ -4,7 +4,7 @@ use super::picture::{self, PictureKind};
 use super::{solve, text};
 use crate::export::atomic;
 use crate::scene::{self, LengthUnit, SceneError, SceneSource, builtin};
-use crate::ui::{self, UiError};
+use crate::ui::{UiError, run as open_window};
 use clap::Args;
 use std::path::PathBuf;
 use std::time::Instant;
@@ -31,7 +31,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
         Some(_) => scene::load(&source)?.unit,
         None => LengthUnit::Metre,
     };
-    match ui::run(source, arguments.options.settings(unit)?) {
+    match open_window(source, arguments.options.settings(unit)?) {
         Ok(()) => Ok(()),
         Err(UiError::NoDisplay(reason)) => {
             text::complain(&format!(
