@@ -3,6 +3,7 @@
 //! Everything downstream reads a [`Scene`]; [`load`] makes one from an OBJ file with its MTL and
 //! sidecar, or from an embedded scene by name.
 
+pub mod builtin;
 mod types;
 
 pub use types::{
