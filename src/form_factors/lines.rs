@@ -78,6 +78,9 @@ struct Seen {
     v_offset: f64,
     /// What its spans are scaled by: the closed form over `total`.
     ratio: f64,
+    /// Sums of its intervals and of the visible ones among them.
+    total: f64,
+    visible: f64,
 }
 
 /// Scratch space for rows; one a thread.
@@ -139,6 +142,14 @@ impl LineSampler {
         for &(patch, amount, seen) in &self.pieces {
             row.add(patch, amount * per_line * self.seen[seen as usize].ratio);
         }
+    }
+
+    /// Whether the last point saw a lamp in part: it lies in a penumbra.
+    pub fn in_penumbra(&self, scene: &Occluders) -> bool {
+        self.seen.iter().any(|s| {
+            let fraction = s.visible / s.total;
+            scene.regions[s.region as usize].emits && fraction > 0.01 && fraction < 0.99
+        })
     }
 
     /// Lamps above the horizon of the last point that fell between two half-planes, as regions.
@@ -220,10 +231,18 @@ impl LineSampler {
             }
             let scale = -1.0 / m.z;
             let (slope_x, slope_y) = (m.x * scale, m.y * scale);
+            // An edge that points along a half-plane has a slope of rounding errors alone: its
+            // crossing is held between its ends.
+            let radial = m.z.abs() <= 1e-9 * (m.x.abs() + m.y.abs());
+            let cot_of = |p: DVec3| p.z / p.x.hypot(p.y).max(f64::MIN_POSITIVE);
+            let limits = if radial { [cot_of(p), cot_of(q)] } else { [0.0; 2] };
             let mut k = (first as i64).rem_euclid(n as i64) as usize;
             for _ in 0..(end - first) as usize {
                 let [cos, sin] = fan.directions[k];
-                let cot = slope_x * cos + slope_y * sin;
+                let mut cot = slope_x * cos + slope_y * sin;
+                if radial {
+                    cot = cot.max(limits[0].min(limits[1])).min(limits[0].max(limits[1]));
+                }
                 // NaN, which only an edge through the receiver's axis gives, falls to the horizon.
                 let x = if cot > 0.0 { (1.0 - cot) / (1.0 + cot) } else { 1.0 };
                 let count = self.counts[k];
@@ -309,6 +328,8 @@ impl LineSampler {
             u_offset: region.u_axis.dot(from_origin),
             v_offset: region.v_axis.dot(from_origin),
             ratio,
+            total,
+            visible: 0.0,
         });
     }
 
@@ -378,10 +399,11 @@ impl LineSampler {
         end: f64,
         [cos, sin]: [f64; 2],
     ) {
-        let seen = &self.seen[interval.seen as usize];
+        let seen = &mut self.seen[interval.seen as usize];
         let region = &scene.regions[seen.region as usize];
         let start_weight = weight_of(start);
         let end_weight = weight_of(end);
+        seen.visible += end_weight - start_weight;
         let side = seen.side as usize;
         let (w0, w1) = (interval.w0, interval.w1);
         let (nu, nv) = (region.cells[0] as i64, region.cells[1] as i64);

@@ -20,12 +20,19 @@ pub(super) fn is_close(a: &Patch, b: &Patch) -> bool {
 }
 
 /// Exchange area A_i F_ij of a close pair, from both sampled rows and closed forms, m².
-pub(super) fn exchange(computer: &RowComputer, i: u32, j: u32, f_ij: f64, f_ji: f64) -> f64 {
+fn exchange(computer: &RowComputer, rows: &[Row], i: u32, j: u32) -> f64 {
     let mesh = computer.mesh();
     let (a, b) = (&mesh.patches[i as usize], &mesh.patches[j as usize]);
-    let sampled = a.area * f_ij + b.area * f_ji;
-    let from_points = a.area * computer.unoccluded(a.centre, a.normal, j)
-        + b.area * computer.unoccluded(b.centre, b.normal, i);
+    let sampled = a.area * rows[i as usize].get(j) + b.area * rows[j as usize].get(i);
+    // The closed form from the very points that the rows were gathered at.
+    let from = |patch: &Patch, index: u32, other: u32| -> f64 {
+        if !rows[index as usize].spread {
+            return patch.area * computer.unoccluded(patch.centre, patch.normal, other);
+        }
+        let points = computer.receiving_points(index);
+        patch.area * points.iter().map(|&(x, w)| w * computer.unoccluded(x, patch.normal, other)).sum::<f64>()
+    };
+    let from_points = from(a, i, j) + from(b, j, i);
     if from_points <= 0.0 {
         return 0.5 * sampled;
     }
@@ -50,8 +57,7 @@ pub(super) fn of_row(computer: &RowComputer, rows: &[Row], i: u32) -> Vec<(u32, 
     let row = &rows[i as usize];
     row.patches
         .iter()
-        .zip(&row.values)
-        .filter(|&(&j, _)| j > i && is_close(a, &mesh.patches[j as usize]))
-        .map(|(&j, &f)| (j, exchange(computer, i, j, f64::from(f), rows[j as usize].get(i))))
+        .filter(|&&j| j > i && is_close(a, &mesh.patches[j as usize]))
+        .map(|&j| (j, exchange(computer, rows, i, j)))
         .collect()
 }

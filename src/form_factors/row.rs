@@ -6,6 +6,8 @@ pub struct RowBuffer {
     values: Vec<f64>,
     /// One bit a patch: whether it has been added to.
     touched: Vec<u64>,
+    /// What amounts are multiplied by as they are added.
+    weight: f64,
 }
 
 /// A row as it is kept: patch indices in rising order and their form factors.
@@ -15,19 +17,26 @@ pub struct Row {
     pub patches: Vec<u32>,
     /// Form factors to them, each above zero.
     pub values: Vec<f32>,
+    /// Whether it was gathered at several receiving points, not at the centre alone.
+    pub spread: bool,
 }
 
 impl RowBuffer {
     /// An empty row over `patches` patches.
     pub fn new(patches: usize) -> Self {
-        Self { values: vec![0.0; patches], touched: vec![0; patches.div_ceil(64)] }
+        Self { values: vec![0.0; patches], touched: vec![0; patches.div_ceil(64)], weight: 1.0 }
+    }
+
+    /// Weight of what is added from here on: a receiving point's share of its patch.
+    pub fn set_weight(&mut self, weight: f64) {
+        self.weight = weight;
     }
 
     /// Adds to the form factor to `patch`.
     #[inline]
     pub fn add(&mut self, patch: u32, amount: f64) {
         let i = patch as usize;
-        self.values[i] += amount;
+        self.values[i] += amount * self.weight;
         self.touched[i / 64] |= 1 << (i % 64);
     }
 
@@ -47,7 +56,8 @@ impl RowBuffer {
     /// in single precision.
     pub fn take(&mut self) -> Row {
         let count = self.touched.iter().map(|w| w.count_ones() as usize).sum();
-        let mut row = Row { patches: Vec::with_capacity(count), values: Vec::with_capacity(count) };
+        let mut row =
+            Row { patches: Vec::with_capacity(count), values: Vec::with_capacity(count), spread: false };
         self.drain(|patch, value| {
             let value = value as f32;
             if value > 0.0 {

@@ -15,6 +15,8 @@ pub struct RowComputer {
     rays: RayScene,
     sampler: Sampler,
     visibility: bool,
+    /// One patch of each lamp's regions, to aim shadow rays at.
+    lamps: Vec<u32>,
 }
 
 #[derive(Clone, Debug)]
@@ -50,7 +52,23 @@ impl RowComputer {
             Method::Hemicube => Sampler::Hemicube(Hemicube::new(resolution)),
             Method::Rays => Sampler::Rays(resolution.max(1)),
         };
-        Self { occluders: Occluders::new(&mesh), rays: RayScene::new(&mesh), mesh, sampler, visibility }
+        let mut lamps: Vec<u32> = Vec::new();
+        for (index, patch) in mesh.patches.iter().enumerate() {
+            let last = lamps.last().map(|&l| &mesh.patches[l as usize]);
+            if patch.luminaire.is_some()
+                && last.is_none_or(|l| (l.region, l.side) != (patch.region, patch.side))
+            {
+                lamps.push(index as u32);
+            }
+        }
+        Self {
+            occluders: Occluders::new(&mesh),
+            rays: RayScene::new(&mesh),
+            mesh,
+            sampler,
+            visibility,
+            lamps,
+        }
     }
 
     /// The mesh that rows are computed for.
@@ -85,21 +103,103 @@ impl RowComputer {
         }
     }
 
-    /// The row of a patch, gathered at its centre.
+    /// The row of a patch: gathered at its centre, or at several points where a shadow's edge may
+    /// cross it.
     pub fn row(&self, patch: u32, scratch: &mut RowScratch) -> Row {
         let p = &self.mesh.patches[patch as usize];
-        if self.visibility {
-            self.gather(p.centre, self.frame(patch), turn_of(patch), p.luminaire.is_some(), scratch);
-        } else {
+        if !self.visibility {
             self.gather_unoccluded(p.centre, p.normal, scratch);
+            return scratch.row.take();
         }
-        scratch.row.take()
+        let frame = self.frame(patch);
+        let lamp = p.luminaire.is_some();
+        self.gather(p.centre, frame, turn_of(patch), lamp, scratch);
+        if !self.crosses_shadow(patch, scratch) {
+            return scratch.row.take();
+        }
+        scratch.row.drain(|_, _| {});
+        for (k, (point, weight)) in self.receiving_points(patch).into_iter().enumerate() {
+            scratch.row.set_weight(weight);
+            // The patterns of the points interleave.
+            self.gather(point, frame, turn_of(patch) + 0.25 * k as f64, lamp, scratch);
+        }
+        scratch.row.set_weight(1.0);
+        Row { spread: true, ..scratch.row.take() }
+    }
+
+    /// Whether some lamp is seen in part from the centre, or from some corners and not from others.
+    fn crosses_shadow(&self, patch: u32, scratch: &RowScratch) -> bool {
+        let Sampler::Lines(..) = self.sampler else { return false };
+        let p = &self.mesh.patches[patch as usize];
+        if p.luminaire.is_some() {
+            return false;
+        }
+        if scratch.lines.in_penumbra(&self.occluders) {
+            return true;
+        }
+        let corners: Vec<DVec3> = self
+            .mesh
+            .pieces_of(p)
+            .flat_map(|piece| self.mesh.corners_of(piece))
+            .map(|c| p.centre + (self.mesh.vertices[c.vertex as usize] - p.centre) * 0.9)
+            .collect();
+        self.lamps.iter().any(|&lamp| {
+            let lamp = &self.mesh.patches[lamp as usize];
+            let faces = |x: DVec3| {
+                let to_lamp = lamp.centre - x;
+                p.normal.dot(to_lamp) > 0.0 && lamp.normal.dot(to_lamp) < 0.0
+            };
+            if !faces(p.centre) {
+                return false;
+            }
+            let mut seen = corners.iter().map(|&c| faces(c) && self.rays.visible(c, lamp.centre));
+            let first = seen.next();
+            seen.any(|s| Some(s) != first)
+        })
+    }
+
+    /// Points that stand for a patch with their shares of it: 2 x 2 Gauss points of a quadrilateral,
+    /// else the middles of the triangles that its pieces fan into, at most 8.
+    pub fn receiving_points(&self, patch: u32) -> Vec<(DVec3, f64)> {
+        let p = &self.mesh.patches[patch as usize];
+        let polygons: Vec<Vec<DVec3>> =
+            self.mesh.pieces_of(p).map(|piece| self.mesh.polygon(piece, p.side)).collect();
+        if let [quad] = polygons.as_slice()
+            && let &[a, b, c, d] = quad.as_slice()
+        {
+            const NEAR: f64 = 0.211_324_865_405_187_13;
+            let at = |s: f64, t: f64| {
+                a * (1.0 - s) * (1.0 - t) + b * s * (1.0 - t) + c * s * t + d * (1.0 - s) * t
+            };
+            return [(NEAR, NEAR), (1.0 - NEAR, NEAR), (1.0 - NEAR, 1.0 - NEAR), (NEAR, 1.0 - NEAR)]
+                .map(|(s, t)| (at(s, t), 0.25))
+                .to_vec();
+        }
+        let mut points: Vec<(DVec3, f64)> = Vec::new();
+        for polygon in &polygons {
+            for k in 1..polygon.len() - 1 {
+                let triangle = [polygon[0], polygon[k], polygon[k + 1]];
+                let area = crate::geometry::polygon::area_vector(&triangle).length();
+                points.push(((triangle[0] + triangle[1] + triangle[2]) / 3.0, area));
+            }
+        }
+        points.sort_by(|a, b| b.1.total_cmp(&a.1));
+        points.truncate(8);
+        let total: f64 = points.iter().map(|p| p.1).sum();
+        if total <= 0.0 {
+            return vec![(p.centre, 1.0)];
+        }
+        points.iter().map(|&(x, area)| (x, area / total)).collect()
     }
 
     /// Form factors from a free point with a unit normal to every patch, in rising order of patches.
+    ///
+    /// The point is lifted along its normal by 1e-5 of the scene's size: files give points to a few
+    /// digits, and one that lies on a surface must not fall behind it.
     pub fn point(&self, point: DVec3, normal: DVec3, scratch: &mut RowScratch, visit: impl FnMut(u32, f64)) {
+        let point = point + normal * (1e-5 * self.mesh.size);
         if self.visibility {
-            self.gather(point, Frame::around(normal), 0.5, false, scratch);
+            self.gather(point, Frame::around(normal), turn_of(0) + 0.118_033_989, false, scratch);
         } else {
             self.gather_unoccluded(point, normal, scratch);
         }
