@@ -5,6 +5,10 @@
 //! [`Piece`] or several, and pieces are grouped into [`Patch`]es, at most one a side.
 
 mod build;
+mod patches;
+mod pieces;
+mod reach;
+mod regions;
 mod types;
 
 pub use build::{MeshError, MeshSettings, PatchTarget, build};
