@@ -23,15 +23,27 @@ pub enum PatchTarget {
 pub struct MeshSettings {
     /// How finely surfaces are split.
     pub target: PatchTarget,
-    /// Whether backs may take part (see [`crate::effects::Effect::TwoSided`]).
-    pub two_sided: bool,
+    /// Which backs take part.
+    pub backs: Backs,
     /// Whether reflectances follow textures (see [`crate::effects::Effect::Textures`]).
     pub textures: bool,
 }
 
+/// Which backs of surfaces take part.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Backs {
+    /// Those that light can reach.
+    #[default]
+    Reached,
+    /// None but those that emit: every surface is lit on its front, and only there.
+    None,
+    /// All.
+    All,
+}
+
 impl Default for MeshSettings {
     fn default() -> Self {
-        Self { target: PatchTarget::Auto, two_sided: true, textures: true }
+        Self { target: PatchTarget::Auto, backs: Backs::Reached, textures: true }
     }
 }
 
@@ -70,12 +82,12 @@ pub fn build(scene: &Scene, settings: &MeshSettings) -> Result<PatchMesh, MeshEr
     if outlines.is_empty() {
         return Err(MeshError::Empty);
     }
-    let mut sides = reach::sides(scene, &outlines, size);
-    if !settings.two_sided {
-        for (side, outline) in sides.iter_mut().zip(&outlines) {
-            *side = [true, outline.luminaire.is_some() && outline.emits_back];
-        }
-    }
+    let emits_back = |o: &Outline| o.luminaire.is_some() && o.emits_back;
+    let sides = match settings.backs {
+        Backs::Reached => reach::sides(scene, &outlines, size),
+        Backs::None => outlines.iter().map(|o| [true, emits_back(o)]).collect(),
+        Backs::All => vec![[true, true]; outlines.len()],
+    };
 
     // 2. Choose the patch size and cut.
     let patch_size = patch_size(scene, settings.target, &outlines, &sides)?;

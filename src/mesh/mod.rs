@@ -11,5 +11,6 @@ mod reach;
 mod regions;
 mod types;
 
-pub use build::{MeshError, MeshSettings, PatchTarget, build};
+pub use build::{Backs, MeshError, MeshSettings, PatchTarget, build};
+pub(crate) use reach::cosine_direction;
 pub use types::{MeshStatistics, NO_PATCH, Patch, PatchMesh, Piece, PieceCorner, Region, Side};

@@ -3,8 +3,24 @@
 //! Everything downstream reads a [`Scene`]; [`load`] makes one from an OBJ file with its MTL and
 //! sidecar, or from an embedded scene by name.
 
+pub mod builtin;
+mod colour;
+mod error;
+mod import;
+mod luminaires;
+mod mtl;
+mod names;
+mod obj;
+mod repair;
+mod sidecar;
+mod textures;
 mod types;
+mod views;
 
+pub use colour::black_body;
+pub use error::SceneError;
+pub use import::{from_text, load, sidecar_path};
+pub use luminaires::lumens;
 pub use types::{
     Corner, Finding, LampState, LengthUnit, Lighting, Luminaire, Material, Scene, SceneSource, Severity,
     Sides, Surface, Texture, UpAxis, View,

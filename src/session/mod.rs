@@ -3,5 +3,8 @@
 mod pipeline;
 mod worker;
 
-pub use pipeline::{Control, PipelineError, Progress, SolveSettings, Solved, Stage, Timings, solve};
+pub use pipeline::{
+    Control, PipelineError, Prepared, Progress, Run, SolveSettings, Solved, Stage, Timings,
+    patch_reflectance, prepare, solve, system,
+};
 pub use worker::{MaterialEdit, Session, Snapshot};
