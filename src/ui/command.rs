@@ -107,6 +107,8 @@ pub enum Command {
     ToggleLeft,
     /// Show or hide the right panel.
     ToggleRight,
+    /// Show or hide the line at the bottom.
+    ToggleStatus,
     /// Show or hide the keys.
     ToggleHelp,
     /// Load files again when they change.

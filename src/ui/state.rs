@@ -152,6 +152,8 @@ pub struct UiState {
     pub left_open: bool,
     /// Solver, display and inspection.
     pub right_open: bool,
+    /// The line at the bottom with frame time, patches and memory.
+    pub show_status: bool,
     /// Walking or flying.
     pub motion: Motion,
     /// Eyes above the floor, metres.
@@ -171,6 +173,7 @@ impl Default for UiState {
         Self {
             left_open: true,
             right_open: true,
+            show_status: true,
             motion: Motion::Walk,
             eye_height: 1.6,
             recent: Vec::new(),

@@ -116,6 +116,7 @@ fn view(ui: &mut egui::Ui, model: &Model<'_>, out: &mut Commands) {
     item(ui, out, "Left panel", "", true, Command::ToggleLeft);
     item(ui, out, "Right panel", "", true, Command::ToggleRight);
     item(ui, out, "Both panels", "Tab", true, Command::TogglePanels);
+    item(ui, out, "Status line", "", true, Command::ToggleStatus);
 }
 
 fn mesh(ui: &mut egui::Ui, model: &Model<'_>, out: &mut Commands) {
