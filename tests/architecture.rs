@@ -167,7 +167,7 @@ fn offences(room: &str, source: &str) -> Vec<String> {
         }
     }
     if room == "cli" {
-        let taken = paths_after(&code, "crate::ui::");
+        let taken = paths_after(&code, "ui::");
         offences
             .extend(taken.iter().filter(|t| !UI_FOR_CLI.contains(t)).map(|t| format!("cli uses ui::{t}")));
     }

@@ -10,7 +10,7 @@ use std::sync::atomic::{AtomicU32, Ordering};
 use std::sync::{Mutex, MutexGuard, PoisonError};
 
 /// Files begun and not yet renamed. Held while one is created, renamed or removed, so that
-/// [`exit_without_remains`] sees each of them either begun or finished.
+/// [`abandon`] sees each of them either begun or finished.
 static UNFINISHED: Mutex<BTreeSet<PathBuf>> = Mutex::new(BTreeSet::new());
 
 /// Tells apart two files of one name that are written at the same time.
@@ -43,14 +43,15 @@ pub fn probe(path: &Path) -> Result<(), ExportError> {
     attempt().map_err(|source| ExportError::Write { path: path.to_owned(), source })
 }
 
-/// Removes all files begun and not finished, and ends the process with this exit code.
-pub fn exit_without_remains(code: i32) -> ! {
+/// Removes all files begun and not finished, and calls `end` before another can begin: for a
+/// process that is about to be killed.
+pub fn abandon(end: impl FnOnce()) {
     let unfinished = lock();
     for path in unfinished.iter() {
         // Nobody is left to be told if this fails.
         let _ = fs::remove_file(path);
     }
-    std::process::exit(code)
+    end();
 }
 
 fn write_inner(path: &Path, fill: impl FnOnce(&mut BufWriter<File>) -> io::Result<()>) -> io::Result<()> {

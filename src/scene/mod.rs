@@ -21,6 +21,7 @@ pub use colour::black_body;
 pub use error::SceneError;
 pub use import::{from_text, load, sidecar_path};
 pub use luminaires::lumens;
+pub use names::nearest as nearest_names;
 pub use types::{
     Corner, Finding, LampState, LengthUnit, Lighting, Luminaire, Material, Scene, SceneSource, Severity,
     Sides, Surface, Texture, UpAxis, View,
