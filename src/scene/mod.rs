@@ -25,6 +25,7 @@ pub use doctor::check;
 pub use error::SceneError;
 pub use import::{from_text, load, sidecar_path};
 pub use luminaires::lumens;
+pub use names::nearest as nearest_names;
 pub use sidecar_write::{sidecar_text, write_sidecar};
 pub use summary::{LuminaireSummary, MaterialSummary, Summary};
 pub use types::{
