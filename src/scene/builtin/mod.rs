@@ -1,20 +1,34 @@
-//! Scenes that the program carries.
+//! Scenes that need no file: generated as OBJ, MTL and sidecar text, then read like any other.
 
-/// The texts of an embedded scene.
-#[derive(Clone, Debug)]
+mod cornell;
+mod gallery;
+mod hemicube;
+mod house;
+mod shapes;
+mod writer;
+
+/// Names of the embedded scenes; the first is the one to start with.
+pub const NAMES: &[&str] = &["hemicube", "cornell", "house", "gallery"];
+
+/// The three texts of an embedded scene, as they would stand in files.
+#[derive(Clone, Debug, PartialEq, Eq)]
 pub struct BuiltinSource {
-    /// OBJ text.
+    /// Wavefront OBJ: positions, smooth normals and polygons by object.
     pub obj: String,
-    /// MTL text.
+    /// The material library: reflectances (Kd) and radiances (Ke, W/m²/sr).
     pub mtl: String,
-    /// Sidecar text (TOML).
+    /// The sidecar in TOML: unit, views, luminaires, patch size.
     pub sidecar: String,
 }
 
-/// Names of the embedded scenes.
-pub const NAMES: &[&str] = &[];
-
-/// The texts of the embedded scene `name`; `None` where there is no such scene.
-pub fn source(_name: &str) -> Option<BuiltinSource> {
-    None
+/// The texts of an embedded scene; `None` where [`NAMES`] does not list it.
+pub fn source(name: &str) -> Option<BuiltinSource> {
+    let model = match name {
+        "hemicube" => hemicube::model(),
+        "cornell" => cornell::model(),
+        "house" => house::model(),
+        "gallery" => gallery::model(),
+        _ => return None,
+    };
+    Some(model.finish(name))
 }

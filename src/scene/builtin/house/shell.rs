@@ -1,0 +1,174 @@
+//! Rooms, the openings between them, windows and doors.
+
+use super::palette::{CEILING, DARK_FRAME, JOINERY, PLASTER};
+use crate::scene::builtin::shapes::{Faces, Hole};
+use crate::scene::builtin::writer::{Model, Paint};
+use glam::{DVec3, dvec3};
+
+/// Which way a wall's normal points, without its sign.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Across {
+    /// A wall that runs along z.
+    X,
+    /// A wall that runs along x.
+    Z,
+}
+
+/// A hole through a wall, in the coordinates of the house.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Opening {
+    /// The wall's direction.
+    pub(crate) across: Across,
+    /// From where to where along the wall, metres.
+    pub(crate) along: [f64; 2],
+    /// The two faces of the wall, ascending; equal where two rooms are one.
+    pub(crate) through: [f64; 2],
+    /// Sill and head, metres.
+    pub(crate) height: [f64; 2],
+    /// What its sides and head are made of.
+    pub(crate) lining: &'static Paint,
+    /// What its sill or threshold is made of.
+    pub(crate) sill: &'static Paint,
+}
+
+/// A room with a flat floor: clear extents and what its walls are painted with.
+pub(crate) struct Room {
+    /// Names its objects.
+    pub(crate) name: &'static str,
+    /// From where to where, metres.
+    pub(crate) x: [f64; 2],
+    /// From where to where, metres.
+    pub(crate) z: [f64; 2],
+    /// Paint of the west (-x), east, north (-z) and south wall.
+    pub(crate) walls: [&'static Paint; 4],
+    /// The floor; `None` where it is made elsewhere.
+    pub(crate) floor: Option<&'static Paint>,
+}
+
+/// Clear height of all rooms over their entrance level, metres.
+pub(crate) const HEIGHT: f64 = 2.6;
+
+impl Room {
+    /// Walls with their openings, ceiling and floor.
+    pub(crate) fn build(&self, m: &mut Model, openings: &[Opening]) {
+        let ([x0, x1], [z0, z1]) = (self.x, self.z);
+        m.object(&format!("{}_walls", self.name));
+        let sides = [
+            (Across::X, x0, dvec3(x0, 0.0, z1), -DVec3::Z),
+            (Across::X, x1, dvec3(x1, 0.0, z0), DVec3::Z),
+            (Across::Z, z0, dvec3(x0, 0.0, z0), DVec3::X),
+            (Across::Z, z1, dvec3(x1, 0.0, z1), -DVec3::X),
+        ];
+        for ((across, at, origin, along), paint) in sides.into_iter().zip(self.walls) {
+            let range = if across == Across::X { self.z } else { self.x };
+            let holes: Vec<Hole> = openings
+                .iter()
+                .filter(|o| o.across == across && o.through.iter().any(|t| (t - at).abs() < 1e-6))
+                .filter(|o| o.along[0] >= range[0] - 1e-6 && o.along[1] <= range[1] + 1e-6)
+                .map(|o| {
+                    let (start, sign) = (origin.dot(along.abs()), along.dot(along.abs()));
+                    let ends = o.along.map(|a| (a - start) * sign);
+                    [ends[0].min(ends[1]), ends[0].max(ends[1]), o.height[0], o.height[1]]
+                })
+                .collect();
+            m.paint(paint).wall(origin, along, range[1] - range[0], HEIGHT, &holes);
+        }
+        m.object(&format!("{}_ceiling", self.name)).paint(&CEILING);
+        m.quad(dvec3(x0, HEIGHT, z0), DVec3::X * (x1 - x0), DVec3::Z * (z1 - z0));
+        if let Some(floor) = self.floor {
+            m.object(&format!("{}_floor", self.name)).paint(floor);
+            m.quad(dvec3(x0, 0.0, z1), DVec3::X * (x1 - x0), DVec3::Z * (z0 - z1));
+        }
+    }
+}
+
+impl Opening {
+    /// A door or passage through an inner wall, from the floor up.
+    pub(crate) fn door(
+        across: Across,
+        along: [f64; 2],
+        through: [f64; 2],
+        head: f64,
+        floor: &'static Paint,
+    ) -> Self {
+        Self { across, along, through, height: [0.0, head], lining: &JOINERY, sill: floor }
+    }
+
+    /// A window in an outer wall whose inner face is at `inner` and whose outer one at `outer`.
+    pub(crate) fn window(across: Across, along: [f64; 2], inner: f64, outer: f64, height: [f64; 2]) -> Self {
+        let through = [inner.min(outer), inner.max(outer)];
+        Self { across, along, through, height, lining: &PLASTER, sill: &JOINERY }
+    }
+
+    /// Runs `build` in coordinates with x along the wall from the opening's start, y up from
+    /// zero, and z through the wall from `through[0]`. The turn keeps the handedness.
+    fn in_wall(&self, m: &mut Model, build: impl FnOnce(&mut Model, f64, f64)) {
+        let (width, depth) = (self.along[1] - self.along[0], self.through[1] - self.through[0]);
+        match self.across {
+            Across::Z => m.place([self.along[0], 0.0, self.through[0]], 0.0, |m| build(m, width, depth)),
+            // Turned by a quarter: local x runs along -z, local z along x.
+            Across::X => m.place([self.through[0], 0.0, self.along[1]], 90.0, |m| build(m, width, depth)),
+        }
+    }
+
+    /// The faces inside the wall's thickness: sides, head and sill.
+    pub(crate) fn reveal(&self, m: &mut Model) {
+        let [sill, head] = self.height;
+        let rise = DVec3::Y * (head - sill);
+        m.object("reveals");
+        self.in_wall(m, |m, width, depth| {
+            let (across, into) = (DVec3::X * width, DVec3::Z * depth);
+            m.paint(self.lining);
+            m.quad(dvec3(0.0, sill, depth), -into, rise);
+            m.quad(dvec3(width, sill, 0.0), into, rise);
+            m.quad(dvec3(0.0, head, 0.0), across, into);
+            m.paint(self.sill);
+            m.quad(dvec3(0.0, sill, depth), across, -into);
+        });
+    }
+
+    /// A frame in the middle of the reveal with upright mullions between `panes` panes, and a
+    /// crossbar at `transom` where given.
+    pub(crate) fn frame(&self, m: &mut Model, panes: usize, transom: Option<f64>) {
+        let (bar, half) = (0.05, 0.03);
+        let [sill, head] = self.height;
+        m.object("window_frames").paint(&DARK_FRAME);
+        self.in_wall(m, |m, width, depth| {
+            let (z0, z1) = (0.5 * depth - half, 0.5 * depth + half);
+            let flat = Faces::BACK.and(Faces::FRONT);
+            let (low, high) = (sill + bar, head - bar);
+            m.block([0.0, sill, z0], [width, low, z1], flat.and(Faces::TOP));
+            m.block([0.0, high, z0], [width, head, z1], flat.and(Faces::BOTTOM));
+            m.block([0.0, low, z0], [bar, high, z1], flat.and(Faces::RIGHT));
+            m.block([width - bar, low, z0], [width, high, z1], flat.and(Faces::LEFT));
+            let pane = (width - 2.0 * bar) / panes as f64;
+            for k in 0..panes {
+                let x = bar + pane * k as f64;
+                let (left, right) = (
+                    if k == 0 { x } else { x + 0.5 * bar },
+                    if k + 1 == panes { x + pane } else { x + pane - 0.5 * bar },
+                );
+                if k > 0 {
+                    m.block([x - 0.5 * bar, low, z0], [x + 0.5 * bar, high, z1], Faces::UPRIGHT);
+                }
+                if let Some(y) = transom {
+                    let level = flat.and(Faces::TOP).and(Faces::BOTTOM);
+                    m.block([left, y, z0], [right, y + 0.6 * bar, z1], level);
+                }
+            }
+        });
+    }
+}
+
+/// A door leaf, hinged at the origin and lying along +x when closed, 4 cm thick towards -z, with
+/// a handle on either side.
+pub(crate) fn leaf(m: &mut Model, width: f64, height: f64, paint: &Paint) {
+    m.object("doors").paint(paint);
+    m.block([0.0, 0.006, -0.04], [width, height, 0.0], Faces::ALL);
+    m.paint(&super::palette::STEEL);
+    let x = width - 0.09;
+    m.block([x - 0.1, 1.0, 0.04], [x + 0.02, 1.02, 0.06], Faces::ALL);
+    m.block([x, 1.0, 0.0], [x + 0.02, 1.02, 0.04], Faces::AROUND);
+    m.block([x - 0.1, 1.0, -0.1], [x + 0.02, 1.02, -0.08], Faces::ALL);
+    m.block([x, 1.0, -0.08], [x + 0.02, 1.02, -0.04], Faces::AROUND);
+}
