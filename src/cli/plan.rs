@@ -1,9 +1,8 @@
 use super::failure::Failure;
 use super::options::{EffectOptions, PatchOptions};
-use super::text;
-use crate::effects::{self, EffectPlan, EffectState};
-use crate::mesh::{self, MeshSettings};
-use crate::scene::{self, SceneSource};
+use super::{solve, text};
+use crate::effects::{EffectPlan, EffectState};
+use crate::session::{self, SolveSettings};
 use clap::Args;
 
 /// Tell which effects a scene calls for, why, and what they cost
@@ -19,18 +18,18 @@ pub(super) struct Arguments {
 }
 
 pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
-    let choices = arguments.effects.choices()?;
-    let scene = scene::load(&SceneSource::from(arguments.scene.as_str()))?;
-    let target = arguments.patches.target(scene.unit);
-    let mesh = mesh::build(&scene, &MeshSettings { target, ..MeshSettings::default() })?;
-    let plan = effects::plan(&scene, &mesh, &choices);
+    let effects = arguments.effects.choices()?;
+    let scene = solve::load(&arguments.scene)?;
+    let patches = arguments.patches.target(scene.unit);
+    let settings = SolveSettings { patches, effects, ..SolveSettings::default() };
+    let prepared = session::prepare(scene, &settings)?;
     let counts = format!(
         "{}: {}, {}\n\n",
-        scene.name,
-        text::count(scene.surfaces.len(), "surface"),
-        text::patches(mesh.patches.len()),
+        prepared.scene.name,
+        text::count(prepared.scene.surfaces.len(), "surface"),
+        text::patches(prepared.mesh.patches.len()),
     );
-    text::print(&(counts + &describe(&plan)))
+    text::print(&(counts + &describe(&prepared.plan)))
 }
 
 /// Two or three lines an effect: its state, why, on what evidence and at what cost.

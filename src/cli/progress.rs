@@ -1,5 +1,6 @@
 use super::text;
 use crate::session::{Progress, Stage};
+use crate::solver::SweepReport;
 use std::io::{self, IsTerminal as _, Write as _};
 use std::time::{Duration, Instant};
 
@@ -18,7 +19,9 @@ impl ProgressLine {
 
     /// Shows where a solve stands, if it is news or time.
     pub(super) fn solve(&mut self, progress: &Progress<'_>) {
-        self.show(stage_name(progress.stage), || describe(progress));
+        self.show(stage_name(progress.stage), || {
+            describe(progress.stage, progress.fraction, progress.rows, progress.sweeps, progress.seconds_left)
+        });
     }
 
     /// Shows how much of a picture is done, 0 to 1, if it is time.
@@ -57,6 +60,7 @@ fn stage_name(stage: Stage) -> &'static str {
         Stage::Meshing => "meshing",
         Stage::FirstLight => "first light",
         Stage::Rows => "form factors",
+        Stage::Balancing => "balancing",
         Stage::Sweeping => "sweeping",
         Stage::Converged => "converged",
         Stage::Stopped => "stopped",
@@ -68,19 +72,24 @@ fn line(stage: &str, share: f64) -> String {
     format!("{stage:<12} {:3.0} %", 100.0 * share.clamp(0.0, 1.0))
 }
 
-fn describe(progress: &Progress<'_>) -> String {
-    let mut line = line(stage_name(progress.stage), progress.fraction);
-    let (done, all) = progress.rows;
-    match progress.sweeps.last() {
+fn describe(
+    stage: Stage,
+    share: f64,
+    (done, all): (usize, usize),
+    sweeps: &[SweepReport],
+    seconds_left: Option<f64>,
+) -> String {
+    let mut line = line(stage_name(stage), share);
+    match sweeps.last() {
         Some(sweep) => {
-            line += &format!(", sweep {}, residual {}", sweep.sweep, text::significant(sweep.residual))
+            line += &format!(", sweep {}, residual {}", sweep.sweep, text::significant(sweep.residual));
         }
         None if all > 0 => {
             line += &format!(", {} of {} rows", text::thousands(done), text::thousands(all));
         }
         None => {}
     }
-    if let Some(left) = progress.seconds_left.filter(|_| progress.stage != Stage::Converged) {
+    if let Some(left) = seconds_left.filter(|_| stage != Stage::Converged) {
         line += &format!(", {} left", text::seconds(left));
     }
     line
@@ -89,23 +98,18 @@ fn describe(progress: &Progress<'_>) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::solver::SweepReport;
 
     #[test]
     fn a_line_tells_stage_share_rows_and_time() {
-        let mut progress = Progress {
-            stage: Stage::Rows,
-            fraction: 0.634,
-            seconds_left: Some(4.2),
-            rows: (12_800, 20_312),
-            sweeps: &[],
-            bases: None,
-        };
-        assert_eq!(describe(&progress), "form factors  63 %, 12,800 of 20,312 rows, 4.20 s left");
+        let rows = (12_800, 20_312);
+        assert_eq!(
+            describe(Stage::Rows, 0.634, rows, &[], Some(4.2)),
+            "form factors  63 %, 12,800 of 20,312 rows, 4.20 s left"
+        );
         let sweeps = [SweepReport { sweep: 3, residual: 0.0125, ..SweepReport::default() }];
-        progress.sweeps = &sweeps;
-        progress.stage = Stage::Sweeping;
-        progress.seconds_left = None;
-        assert_eq!(describe(&progress), "sweeping      63 %, sweep 3, residual 0.0125");
+        assert_eq!(
+            describe(Stage::Sweeping, 0.97, rows, &sweeps, None),
+            "sweeping      97 %, sweep 3, residual 0.0125"
+        );
     }
 }

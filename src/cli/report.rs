@@ -1,7 +1,7 @@
 use super::plan::state_name;
 use crate::export::{
-    EffectReport, FindingReport, LampReport, MaterialReport, MeshReport, PowerReport, Report, SceneReport,
-    SettingsReport, SweepLine, TimingReport, peak_memory_bytes,
+    EffectReport, FindingReport, FormFactorReport, LampReport, MaterialReport, MeshReport, PowerReport,
+    Report, SceneReport, SettingsReport, SweepLine, TimingReport, peak_memory_bytes,
 };
 use crate::mesh::{PatchMesh, PatchTarget};
 use crate::scene::{Lighting, Scene, Severity};
@@ -58,6 +58,15 @@ pub(super) fn report(
             median_aspect: statistics.median_aspect,
             worst_aspect: statistics.worst_aspect,
             patch_size_m: statistics.patch_size,
+        },
+        form_factors: FormFactorReport {
+            entries: solved.form_factors.entries(),
+            bytes: solved.form_factors.bytes(),
+            close_pairs: solved.assembled.close_pairs,
+            worst_closure: solved.assembled.worst_closure,
+            mean_reciprocity: solved.assembled.mean_reciprocity,
+            balance_passes: solved.assembled.passes,
+            imbalance: solved.assembled.imbalance,
         },
         effects: solved
             .plan

@@ -9,12 +9,13 @@ use crate::export::{
     self, ExportError, PatchRow, SurfacePoint, atomic, read_points, write_irradiance, write_patch_table,
 };
 use crate::scene::{self, Lighting, Scene, SceneSource, Severity, View, illuminance};
-use crate::session::{self, Control, SolveSettings, Solved};
+use crate::session::{self, Control, Progress, SolveSettings, Solved};
 use crate::solver::{PatchLight, patch_emission};
 use clap::Args;
 use glam::DVec3;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
 use std::time::Instant;
 
 /// Compute the light of a scene without a window, and write pictures and tables
@@ -178,11 +179,13 @@ pub(super) fn solve(
     lighting: &Lighting,
 ) -> Result<(Solved, PatchLight), Failure> {
     let mut line = ProgressLine::new();
-    let solved = session::solve(scene, settings, &mut |progress| {
+    let observe = &mut |progress: Progress<'_>| {
         line.solve(&progress);
         Control::Continue
-    })?;
-    let light = solved.bases.mix(&solved.mesh, lighting, &solved.reflectance);
+    };
+    // An interrupt ends the process itself; nothing else cancels.
+    let solved = session::solve(scene, settings, &AtomicBool::new(false), observe)?;
+    let light = solved.light(lighting);
     Ok((solved, light))
 }
 

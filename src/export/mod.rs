@@ -18,6 +18,6 @@ pub use ply::{LitMesh, write_ply};
 pub use png::write_png;
 pub use points::{PointsError, SurfacePoint, parse_points, read_points, write_irradiance};
 pub use report::{
-    EffectReport, FindingReport, LampReport, MaterialReport, MeshReport, PowerReport, Report, SceneReport,
-    SettingsReport, SweepLine, TimingReport, peak_memory_bytes, write_report,
+    EffectReport, FindingReport, FormFactorReport, LampReport, MaterialReport, MeshReport, PowerReport,
+    Report, SceneReport, SettingsReport, SweepLine, TimingReport, peak_memory_bytes, write_report,
 };

@@ -14,6 +14,8 @@ pub struct Report {
     pub settings: SettingsReport,
     /// The patches.
     pub mesh: MeshReport,
+    /// The rows.
+    pub form_factors: FormFactorReport,
     /// The effect plan.
     pub effects: Vec<EffectReport>,
     /// Seconds by stage.
@@ -134,6 +136,25 @@ pub struct MeshReport {
     pub worst_aspect: f64,
     /// Edge length aimed at, metres.
     pub patch_size_m: f64,
+}
+
+/// The form factors in numbers.
+#[derive(Clone, Debug, Serialize)]
+pub struct FormFactorReport {
+    /// Stored factors.
+    pub entries: usize,
+    /// Memory that they take.
+    pub bytes: usize,
+    /// Pairs computed in closed form for being close.
+    pub close_pairs: usize,
+    /// Largest |row sum - 1| as sampled, among rows that see no opening.
+    pub worst_closure: f64,
+    /// Mean relative |A_i F_ij - A_j F_ji| as sampled, weighted by area.
+    pub mean_reciprocity: f64,
+    /// Scaling passes until the power balance closed.
+    pub balance_passes: usize,
+    /// Largest relative deviation of a row sum from its target after them.
+    pub imbalance: f64,
 }
 
 /// One line of the effect plan.

@@ -70,9 +70,9 @@ pub(super) fn default_views(positions: &[DVec3], surfaces: &[Surface], up: UpAxi
     let mut places = surveyor.places();
     places.sort_by(|a, b| b.openness.total_cmp(&a.openness));
     places.retain(|p| p.enclosure >= SHELTERED);
-    // At the back of a box that is open in front hardly any light escapes: most places must be closed.
+    // At the back of a box that is open in front one stands in a room, and yet it is no room.
     let closed = places.iter().filter(|p| p.enclosure >= ROOM).count();
-    let is_room = closed >= 2 && 2 * closed > places.len();
+    let is_room = closed >= 2 && 2 * closed > places.len() && surveyor.open_side().is_none();
     places.retain(|p| !is_room || p.enclosure >= ROOM);
     let diagonal = surveyor.bounds.diagonal();
     let mut views = Vec::new();
@@ -124,24 +124,26 @@ impl Surveyor {
 
     fn places(&self) -> Vec<Place> {
         let size = self.bounds.size();
-        let mut places = Vec::new();
-        for i in 0..GRID {
-            for j in 0..GRID {
-                let step = |k: usize| (k as f64 + 0.5) / GRID as f64;
-                let [a, b] = self.sides;
-                let mut eye = self.bounds.min + a * (size.dot(a) * step(i)) + b * (size.dot(b) * step(j));
-                eye = self.at_eye_height(eye);
-                // Steps and platforms lift the eye; nobody stands on a table.
+        let [a, b] = self.sides;
+        let step = |k: usize| (k as f64 + 0.5) / GRID as f64;
+        let eyes = (0..GRID * GRID).map(|k| {
+            let (i, j) = (k / GRID, k % GRID);
+            let corner = self.bounds.min + a * (size.dot(a) * step(i)) + b * (size.dot(b) * step(j));
+            self.at_eye_height(corner)
+        });
+        // How far the floor below lifts the eye.
+        let lifted: Vec<(DVec3, f64)> = eyes
+            .map(|eye| {
                 let floor = self.distance(eye + self.up * 0.5 * self.eye_height, -self.up);
-                let lift = floor.map_or(0.0, |down| (1.5 * self.eye_height - down).max(0.0));
-                if lift > 0.35 * self.eye_height {
-                    continue;
-                }
-                eye += self.up * lift;
-                places.extend(self.survey(eye));
-            }
-        }
-        places
+                (eye, floor.map_or(0.0, |down| (1.5 * self.eye_height - down).max(0.0)))
+            })
+            .collect();
+        let mut lifts: Vec<f64> = lifted.iter().map(|(_, lift)| *lift).collect();
+        lifts.sort_by(f64::total_cmp);
+        let ground = lifts[lifts.len() / 2];
+        // Steps and platforms are places to stand; nobody stands on a table.
+        let standing = lifted.into_iter().filter(|(_, lift)| *lift <= ground + 0.35 * self.eye_height);
+        standing.filter_map(|(eye, lift)| self.survey(eye + self.up * lift)).collect()
     }
 
     /// What can be seen from `eye`; `None` where one would stand in the furniture.
@@ -187,6 +189,26 @@ impl Surveyor {
         View { name: name.to_owned(), eye: place.eye, target, fov_y_deg: 60.0 }
     }
 
+    /// The one horizontal direction in which nothing stands before the centre, where there is just one.
+    fn open_side(&self) -> Option<DVec3> {
+        let centre = self.bounds.centre();
+        let is_open = |axis: DVec3| {
+            let frame = Frame::around(axis);
+            (0..16).all(|k| {
+                let (sin, cos) = (TAU * f64::from(k) / 16.0).sin_cos();
+                let tilt = 0.2 + 0.2 * f64::from(k % 2);
+                let way = axis + (frame.tangent * cos + frame.bitangent * sin) * tilt;
+                self.distance(centre, way).is_none()
+            })
+        };
+        let [a, b] = self.sides;
+        let open: Vec<DVec3> = [b, -b, a, -a].into_iter().filter(|&axis| is_open(axis)).collect();
+        match open[..] {
+            [only] => Some(only),
+            _ => None,
+        }
+    }
+
     /// From outside: through the open side where there is one, else from above a corner.
     fn outside(&self) -> View {
         const FOV: f64 = 40.0;
@@ -194,25 +216,14 @@ impl Surveyor {
         let centre = self.bounds.centre();
         let size = self.bounds.size();
         let [a, b] = self.sides;
-        let escapes = |axis: DVec3| {
-            let frame = Frame::around(axis);
-            let free = (0..16).filter(|&k| {
-                let (sin, cos) = (TAU * f64::from(k) / 16.0).sin_cos();
-                let tilt = 0.25 + 0.25 * f64::from(k % 2);
-                let way = axis + (frame.tangent * cos + frame.bitangent * sin) * tilt;
-                self.distance(centre, way).is_none()
-            });
-            free.count()
-        };
-        let open: Vec<DVec3> = [b, -b, a, -a].into_iter().filter(|&axis| escapes(axis) > 8).collect();
-        let eye = match open[..] {
-            [axis] => {
+        let eye = match self.open_side() {
+            Some(axis) => {
                 let width = size.dot(axis.cross(self.up).abs());
                 // The opening should fill a window that is a quarter wider than high.
                 let half = 0.55 * (width / 1.25).max(size.dot(self.up));
                 centre + axis * (0.5 * size.dot(axis.abs()) + half / slope)
             }
-            _ => {
+            None => {
                 let way = (a * 0.6 + b + self.up * 0.7).normalize();
                 centre + way * (0.5 * self.bounds.diagonal() / (0.5 * FOV.to_radians()).sin())
             }
