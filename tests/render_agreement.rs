@@ -5,10 +5,11 @@ mod render_room;
 use lumenwalk::display::{
     ColourMap, DisplayMesh, Exposure, FalseColour, Shading, ToneMap, luminance, meter, srgb_encode,
 };
+use lumenwalk::mesh::{MeshSettings, PatchMesh, PatchTarget, build};
 use lumenwalk::render::{
     Camera, ColourSource, FrameInput, Gpu, Picker, StillInput, StillOptions, ViewportRenderer, render_still,
 };
-use lumenwalk::{mesh::PatchMesh, scene::Scene};
+use lumenwalk::scene::{Scene, SceneSource, load};
 use render_room::{Room, camera, light};
 
 const SIZE: [u32; 2] = [320, 200];
@@ -40,6 +41,10 @@ struct Lit {
 impl Lit {
     fn room(shading: Shading) -> Self {
         let (scene, mesh) = Room::furnished().finish(0.3);
+        Self::new(scene, mesh, shading)
+    }
+
+    fn new(scene: Scene, mesh: PatchMesh, shading: Shading) -> Self {
         let display = DisplayMesh::build(&mesh, &scene, true);
         let (h, b) = light(&mesh);
         let samples = mesh.patches.iter().zip(&b).filter(|(p, _)| p.luminaire.is_none());
@@ -125,6 +130,29 @@ fn view_and_still_agree_within_one_per_cent() {
                 let mean = still.iter().map(|&x| f64::from(x)).sum::<f64>() / still.len() as f64;
                 assert!((90.0..220.0).contains(&mean), "mean code {mean}");
             }
+        }
+    }
+}
+
+#[test]
+fn view_and_still_agree_on_the_embedded_scenes() {
+    let Some(gpu) = gpu() else { return };
+    for name in ["cornell", "hemicube", "gallery", "house"] {
+        let scene = load(&SceneSource::Builtin(name.to_owned())).expect("an embedded scene");
+        let settings = MeshSettings { target: PatchTarget::Count(2000), ..MeshSettings::default() };
+        let mesh = build(&scene, &settings).expect("it has surfaces");
+        let room = Lit::new(scene, mesh, Shading::Gouraud);
+        let mut renderer = room.renderer(&gpu);
+        for view in room.scene.views.iter().take(3) {
+            let camera = Camera::from_view(view, room.scene.up.vector());
+            let frame = room.frame(camera, ToneMap::Neutral);
+            let shown = renderer.capture(&gpu.device, &gpu.queue, &frame).expect("readback");
+            let still = room.still(&frame);
+            let difference = mean_difference(&shown, &still);
+            println!("{name}, {}: {:.3} %", view.name, 100.0 * difference);
+            keep(&format!("{name}-{}-gpu.png", view.name), &shown);
+            keep(&format!("{name}-{}-cpu.png", view.name), &still);
+            assert!(difference < 0.01, "{name}, {}: {difference}", view.name);
         }
     }
 }
