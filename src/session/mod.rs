@@ -1,6 +1,7 @@
 //! The background worker: requests in, immutable snapshots out. Knows neither GPU nor window.
 
 mod pipeline;
+mod recompute;
 mod worker;
 
 pub use pipeline::{
