@@ -271,9 +271,8 @@ impl App {
             let bar = egui::Frame::new().fill(theme::PANEL).inner_margin(egui::Margin::symmetric(8, 2));
             egui::Panel::bottom("status").frame(bar).show(ui, |ui| panels::status::show(ui, &model));
         }
-        let side = |panel: egui::Panel| {
-            panel.resizable(false).exact_size(theme::PANEL_WIDTH).drag_to_open(false)
-        };
+        let side =
+            |panel: egui::Panel| panel.resizable(false).exact_size(theme::PANEL_WIDTH).drag_to_open(false);
         side(egui::Panel::left("left")).show_collapsible(ui, &mut left_open, |ui| {
             scroll(ui, "left scroll", |ui| {
                 panels::section(ui, "Lights", true, |ui| panels::lights::show(ui, &model, out));

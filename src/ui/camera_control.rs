@@ -35,28 +35,28 @@ pub enum Motion {
 
 /// What the user asks for in this frame: each from -1 to 1.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Wish {
+pub(super) struct Wish {
     /// Ahead.
-    pub ahead: f64,
+    pub(super) ahead: f64,
     /// To the right.
-    pub right: f64,
+    pub(super) right: f64,
     /// Upwards; flying alone.
-    pub up: f64,
+    pub(super) up: f64,
     /// Faster.
-    pub run: bool,
+    pub(super) run: bool,
 }
 
 /// Where the camera stands and looks.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Pose {
+pub(super) struct Pose {
     /// Metres.
-    pub eye: DVec3,
+    pub(super) eye: DVec3,
     /// Heading about the up axis, radians, counter-clockwise from above.
-    pub yaw: f64,
+    pub(super) yaw: f64,
     /// Above the horizon, radians.
-    pub pitch: f64,
+    pub(super) pitch: f64,
     /// Vertical field of view, degrees.
-    pub fov_y_deg: f64,
+    pub(super) fov_y_deg: f64,
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -68,7 +68,7 @@ struct Travel {
 
 /// The camera and its motion.
 #[derive(Clone, Debug)]
-pub struct CameraControl {
+pub(super) struct CameraControl {
     up: DVec3,
     /// Level axes from which the yaw counts.
     axes: [DVec3; 2],
@@ -84,12 +84,23 @@ pub struct CameraControl {
     /// Metres per second of a walk, in this model.
     pace: f64,
     travel: Option<Travel>,
+    /// At a bookmark nobody falls: the person takes to the floor with the first step.
+    at_bookmark: bool,
+    /// Take to the floor without waiting for a step.
+    land: bool,
     settled: bool,
 }
 
 impl CameraControl {
     /// A camera at `view`. `height` and `size` are the height and diagonal of the model, metres.
-    pub fn new(view: &View, up: DVec3, height: f64, size: f64, motion: Motion, eye_height: f64) -> Self {
+    pub(super) fn new(
+        view: &View,
+        up: DVec3,
+        height: f64,
+        size: f64,
+        motion: Motion,
+        eye_height: f64,
+    ) -> Self {
         let body = Body::for_room(height, eye_height);
         let right = up.any_orthonormal_vector();
         let mut control = Self {
@@ -105,6 +116,8 @@ impl CameraControl {
             // Large models are crossed in about half a minute, whatever their unit.
             pace: (WALK_SPEED * body.scale()).max(if size > 60.0 { size / 40.0 } else { 0.0 }),
             travel: None,
+            at_bookmark: true,
+            land: false,
             settled: false,
         };
         control.stand_at(control.pose_of(view));
@@ -112,7 +125,7 @@ impl CameraControl {
     }
 
     /// The pose from which a bookmark looks.
-    pub fn pose_of(&self, view: &View) -> Pose {
+    pub(super) fn pose_of(&self, view: &View) -> Pose {
         let ahead = (view.target - view.eye).normalize_or(self.axes[0]);
         Pose {
             eye: view.eye,
@@ -123,7 +136,7 @@ impl CameraControl {
     }
 
     /// Goes there at once.
-    pub fn stand_at(&mut self, pose: Pose) {
+    pub(super) fn stand_at(&mut self, pose: Pose) {
         self.pose = pose;
         self.turn_to = [pose.yaw, pose.pitch];
         self.velocity = DVec3::ZERO;
@@ -131,11 +144,22 @@ impl CameraControl {
         let feet = pose.eye - self.up * self.eyes;
         self.footing = Footing { feet, fall_speed: 0.0, grounded: false };
         self.travel = None;
+        self.at_bookmark = true;
         self.settled = false;
     }
 
+    /// Puts the feet onto the floor below the eye; the eyes then sink or rise to their height.
+    fn step_down(&mut self, obstacles: &Obstacles) {
+        (self.at_bookmark, self.land) = (false, false);
+        if let Some(ground) = obstacles.floor_below(self.pose.eye) {
+            self.eyes = self.pose.eye.dot(self.up) - ground;
+            let feet = self.pose.eye - self.up * self.eyes;
+            self.footing = Footing { feet, fall_speed: 0.0, grounded: true };
+        }
+    }
+
     /// Glides there.
-    pub fn travel_to(&mut self, pose: Pose) {
+    pub(super) fn travel_to(&mut self, pose: Pose) {
         // The shorter way round.
         let turn = (pose.yaw - self.pose.yaw + std::f64::consts::PI).rem_euclid(std::f64::consts::TAU)
             - std::f64::consts::PI;
@@ -146,17 +170,17 @@ impl CameraControl {
     }
 
     /// Where the camera stands.
-    pub fn pose(&self) -> Pose {
+    pub(super) fn pose(&self) -> Pose {
         self.pose
     }
 
     /// The upwards unit vector.
-    pub fn up(&self) -> DVec3 {
+    pub(super) fn up(&self) -> DVec3 {
         self.up
     }
 
     /// The unit vector ahead.
-    pub fn forward(&self) -> DVec3 {
+    pub(super) fn forward(&self) -> DVec3 {
         let (sin, cos) = self.pose.pitch.sin_cos();
         self.level_ahead() * cos + self.up * sin
     }
@@ -171,44 +195,38 @@ impl CameraControl {
     }
 
     /// How the camera moves.
-    pub fn motion(&self) -> Motion {
+    pub(super) fn motion(&self) -> Motion {
         self.motion
     }
 
     /// Changes how the camera moves; the person lands on the floor below the eye.
-    pub fn set_motion(&mut self, motion: Motion) {
+    pub(super) fn set_motion(&mut self, motion: Motion) {
         if motion != self.motion {
             self.motion = motion;
             self.velocity = DVec3::ZERO;
-            let feet = self.pose.eye - self.up * self.body.eye_height;
-            self.footing = Footing { feet, fall_speed: 0.0, grounded: false };
-            self.eyes = self.body.eye_height;
+            self.at_bookmark = motion == Motion::Walk;
             self.settled = false;
         }
     }
 
-    /// Measures of the walking person.
-    pub fn body(&self) -> Body {
-        self.body
-    }
-
     /// Sets the height of the eyes above the floor for an adult, metres.
-    pub fn set_eye_height(&mut self, metres: f64) {
+    pub(super) fn set_eye_height(&mut self, metres: f64) {
         let eye_height = metres.clamp(0.5, 3.0) * self.body.scale();
         if eye_height != self.body.eye_height {
+            self.land = true;
             self.body.eye_height = eye_height;
             self.settled = false;
         }
     }
 
     /// Sets the vertical field of view, degrees.
-    pub fn set_fov(&mut self, degrees: f64) {
+    pub(super) fn set_fov(&mut self, degrees: f64) {
         self.pose.fov_y_deg = degrees.clamp(20.0, 110.0);
         self.settled = false;
     }
 
     /// Turns by radians to the right and upwards.
-    pub fn look(&mut self, right: f64, up: f64) {
+    pub(super) fn look(&mut self, right: f64, up: f64) {
         self.travel = None;
         self.turn_to[0] -= right;
         self.turn_to[1] = (self.turn_to[1] + up).clamp(-MAX_PITCH, MAX_PITCH);
@@ -216,7 +234,7 @@ impl CameraControl {
     }
 
     /// Turns about `pivot` by radians; the camera keeps its distance and leaves the floor.
-    pub fn orbit(&mut self, pivot: DVec3, right: f64, up: f64) {
+    pub(super) fn orbit(&mut self, pivot: DVec3, right: f64, up: f64) {
         self.travel = None;
         self.set_motion(Motion::Fly);
         let pitch = (self.pose.pitch + up).clamp(-MAX_PITCH, MAX_PITCH);
@@ -230,7 +248,7 @@ impl CameraControl {
     }
 
     /// Moves sideways and upwards in the picture's plane by metres; the camera leaves the floor.
-    pub fn pan(&mut self, right: f64, up: f64) {
+    pub(super) fn pan(&mut self, right: f64, up: f64) {
         self.travel = None;
         self.set_motion(Motion::Fly);
         let upwards = self.right().cross(self.forward());
@@ -239,7 +257,7 @@ impl CameraControl {
     }
 
     /// Gives a push ahead, as of a wheel: `strokes` of about half a pace each.
-    pub fn nudge(&mut self, strokes: f64, obstacles: Option<&Obstacles>) {
+    pub(super) fn nudge(&mut self, strokes: f64, obstacles: Option<&Obstacles>) {
         self.travel = None;
         let ahead = if self.motion == Motion::Walk { self.level_ahead() } else { self.forward() };
         self.displace(ahead * (0.35 * self.pace * strokes), obstacles, 0.0);
@@ -247,12 +265,12 @@ impl CameraControl {
     }
 
     /// Whether the camera still moves by itself.
-    pub fn is_moving(&self) -> bool {
+    pub(super) fn is_moving(&self) -> bool {
         !self.settled
     }
 
     /// Moves on by `dt` seconds. Returns whether anything moved.
-    pub fn advance(&mut self, wish: &Wish, obstacles: Option<&Obstacles>, dt: f64) -> bool {
+    pub(super) fn advance(&mut self, wish: &Wish, obstacles: Option<&Obstacles>, dt: f64) -> bool {
         let dt = if dt.is_finite() { dt.clamp(0.0, 0.25) } else { 0.0 };
         let before = self.pose;
         let wants = wish.ahead != 0.0 || wish.right != 0.0 || wish.up != 0.0;
@@ -300,9 +318,14 @@ impl CameraControl {
     fn displace(&mut self, way: DVec3, obstacles: Option<&Obstacles>, dt: f64) {
         let Some(world) = obstacles.filter(|_| self.motion == Motion::Walk) else {
             self.pose.eye += way;
-            self.footing.feet = self.pose.eye - self.up * self.eyes;
             return;
         };
+        if self.at_bookmark {
+            if way == DVec3::ZERO && !self.land {
+                return;
+            }
+            self.step_down(world);
+        }
         let before = self.footing;
         self.footing = world.walk(&self.body, before, way, dt);
         let rise = (self.footing.feet - before.feet).dot(self.up);
@@ -342,7 +365,12 @@ mod tests {
     use super::*;
 
     fn view() -> View {
-        View { name: "v".into(), eye: DVec3::new(0.0, 1.6, 0.0), target: DVec3::new(0.0, 1.6, -1.0), fov_y_deg: 60.0 }
+        View {
+            name: "v".into(),
+            eye: DVec3::new(0.0, 1.6, 0.0),
+            target: DVec3::new(0.0, 1.6, -1.0),
+            fov_y_deg: 60.0,
+        }
     }
 
     fn camera(motion: Motion) -> CameraControl {
@@ -419,8 +447,10 @@ mod tests {
 
     #[test]
     fn walking_lands_at_eye_height_and_stops_at_a_wall() {
-        let corners = [[-9.0, 0.0, -9.0], [-9.0, 0.0, 9.0], [9.0, 0.0, 9.0], [9.0, 0.0, -9.0]].map(DVec3::from);
-        let wall = [[-9.0, 0.0, -2.0], [9.0, 0.0, -2.0], [9.0, 3.0, -2.0], [-9.0, 3.0, -2.0]].map(DVec3::from);
+        let corners =
+            [[-9.0, 0.0, -9.0], [-9.0, 0.0, 9.0], [9.0, 0.0, 9.0], [9.0, 0.0, -9.0]].map(DVec3::from);
+        let wall =
+            [[-9.0, 0.0, -2.0], [9.0, 0.0, -2.0], [9.0, 3.0, -2.0], [-9.0, 3.0, -2.0]].map(DVec3::from);
         let triangles =
             [corners, wall].iter().flat_map(|q| [[q[0], q[1], q[2]], [q[0], q[2], q[3]]]).collect();
         let world = Obstacles::new(triangles, DVec3::Y);
@@ -430,9 +460,14 @@ mod tests {
         for _ in 0..300 {
             control.advance(&wish, Some(&world), 1.0 / 60.0);
         }
+        assert_eq!(
+            CameraControl::new(&high, DVec3::Y, 2.6, 10.0, Motion::Walk, 1.6).pose().eye.y,
+            2.3,
+            "a bookmark is kept"
+        );
         let eye = control.pose().eye;
         assert!((eye.y - 1.6).abs() < 1e-3, "{eye}");
-        assert!((eye.z - (-2.0 + control.body().radius)).abs() < 1e-6, "{eye}");
+        assert!((eye.z - (-2.0 + control.body.radius)).abs() < 1e-6, "{eye}");
     }
 
     #[test]

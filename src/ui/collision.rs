@@ -18,21 +18,21 @@ const MAX_SUBSTEPS: f64 = 400.0;
 
 /// Measures of the walking person, metres.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Body {
+pub(super) struct Body {
     /// Half the width.
-    pub radius: f64,
+    pub(super) radius: f64,
     /// Eyes above the floor.
-    pub eye_height: f64,
+    pub(super) eye_height: f64,
     /// Highest step that is climbed without jumping.
-    pub step: f64,
+    pub(super) step: f64,
     /// Top of the head above the eyes.
-    pub headroom: f64,
+    pub(super) headroom: f64,
 }
 
 impl Body {
     /// An adult, or one scaled to stand in a model of `room_height` metres that is too low for an
     /// adult (the Cornell box measures 0.55 m).
-    pub fn for_room(room_height: f64, eye_height: f64) -> Self {
+    pub(super) fn for_room(room_height: f64, eye_height: f64) -> Self {
         let scale = if room_height < 2.2 && room_height > 0.0 { room_height / 2.6 } else { 1.0 };
         Self {
             radius: 0.22 * scale,
@@ -43,25 +43,25 @@ impl Body {
     }
 
     /// Metres of the model to one metre of an adult.
-    pub fn scale(&self) -> f64 {
+    pub(super) fn scale(&self) -> f64 {
         self.step / 0.35
     }
 }
 
 /// Where a walk ended.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Footing {
+pub(super) struct Footing {
     /// The feet, metres.
-    pub feet: DVec3,
+    pub(super) feet: DVec3,
     /// Speed of falling, m/s; zero on the ground.
-    pub fall_speed: f64,
+    pub(super) fall_speed: f64,
     /// Whether the feet stand on something.
-    pub grounded: bool,
+    pub(super) grounded: bool,
 }
 
 /// Everything that a walking person can stand on or run into, sorted into columns above the ground.
 #[derive(Clone, Debug, Default)]
-pub struct Obstacles {
+pub(super) struct Obstacles {
     triangles: Vec<[DVec3; 3]>,
     up: DVec3,
     /// The two level axes.
@@ -76,17 +76,16 @@ pub struct Obstacles {
 
 impl Obstacles {
     /// Sorts the triangles of a mesh; `up` is a unit vector along an axis.
-    pub fn of_mesh(mesh: &PatchMesh, up: DVec3) -> Self {
+    pub(super) fn of_mesh(mesh: &PatchMesh, up: DVec3) -> Self {
         Self::new(mesh.triangles().0, up)
     }
 
     /// Sorts `triangles`; those that are not finite are left out. `up` is a unit vector.
-    pub fn new(triangles: Vec<[DVec3; 3]>, up: DVec3) -> Self {
+    pub(super) fn new(triangles: Vec<[DVec3; 3]>, up: DVec3) -> Self {
         let right = up.any_orthonormal_vector();
         let level = [right, up.cross(right)];
         let flat = |p: DVec3| DVec2::new(p.dot(level[0]), p.dot(level[1]));
-        let triangles: Vec<_> =
-            triangles.into_iter().filter(|t| t.iter().all(|p| p.is_finite())).collect();
+        let triangles: Vec<_> = triangles.into_iter().filter(|t| t.iter().all(|p| p.is_finite())).collect();
         let (mut low, mut high) = (DVec2::INFINITY, DVec2::NEG_INFINITY);
         for point in triangles.iter().flatten() {
             low = low.min(flat(*point));
@@ -161,7 +160,7 @@ impl Obstacles {
     }
 
     /// Height (along up, metres) of the highest thing below `point`, itself included.
-    pub fn floor_below(&self, point: DVec3) -> Option<f64> {
+    pub(super) fn floor_below(&self, point: DVec3) -> Option<f64> {
         let (at, top) = (self.flat(point), point.dot(self.up));
         let mut best: Option<f64> = None;
         self.near(at, at, |triangle| {
@@ -209,7 +208,7 @@ impl Obstacles {
     /// Moves a person by `way` (its level part, metres) and lets gravity act for `dt` seconds.
     ///
     /// Where nothing lies below at all, the person stays at this height instead of falling for ever.
-    pub fn walk(&self, body: &Body, from: Footing, way: DVec3, dt: f64) -> Footing {
+    pub(super) fn walk(&self, body: &Body, from: Footing, way: DVec3, dt: f64) -> Footing {
         let way = way - self.up * way.dot(self.up);
         let substeps = (way.length() / (0.5 * body.radius)).ceil().clamp(1.0, MAX_SUBSTEPS);
         let part = (way / substeps).clamp_length_max(0.5 * body.radius);
@@ -313,10 +312,7 @@ fn nearest_points(start: DVec3, end: DVec3, triangle: &[DVec3; 3]) -> (DVec3, DV
     let ends = [start, end].map(|p| (p, nearest_in_triangle(p, triangle)));
     let edges = [(a, b), (b, c), (c, a)].map(|(p, q)| nearest_of_segments(start, end, p, q));
     let square = |pair: &(DVec3, DVec3)| pair.0.distance_squared(pair.1);
-    ends.into_iter()
-        .chain(edges)
-        .min_by(|p, q| square(p).total_cmp(&square(q)))
-        .unwrap_or((start, a))
+    ends.into_iter().chain(edges).min_by(|p, q| square(p).total_cmp(&square(q))).unwrap_or((start, a))
 }
 
 /// Ericson 2005, section 5.1.5.

@@ -1,15 +1,15 @@
 //! Colours that lamps and materials are edited in: linear R, G, B, sRGB and colour temperature.
 
 /// Lowest colour temperature offered, kelvin: candlelight.
-pub const MIN_KELVIN: f64 = 1800.0;
+pub(super) const MIN_KELVIN: f64 = 1800.0;
 /// Highest colour temperature offered, kelvin: clear northern sky.
-pub const MAX_KELVIN: f64 = 12000.0;
+pub(super) const MAX_KELVIN: f64 = 12000.0;
 
 /// Linear Rec. 709 R, G, B of a black body, with luminance one; negative parts are cut to zero.
 ///
 /// `kelvin` is clamped to 1667..25000, the range of the fit of the Planckian locus by Kim et al.
 /// (US patent 7024034, 2002).
-pub fn black_body(kelvin: f64) -> [f64; 3] {
+pub(super) fn black_body(kelvin: f64) -> [f64; 3] {
     let t = 1e3 / kelvin.clamp(1667.0, 25_000.0);
     let x = if t >= 0.25 {
         -0.266_123_9 * t * t * t - 0.234_358_9 * t * t + 0.877_695_6 * t + 0.179_910
@@ -34,37 +34,36 @@ pub fn black_body(kelvin: f64) -> [f64; 3] {
 }
 
 /// Linear light to sRGB, both 0 to 1 (IEC 61966-2-1).
-pub fn srgb_of_linear(linear: f64) -> f64 {
+pub(super) fn srgb_of_linear(linear: f64) -> f64 {
     let c = linear.clamp(0.0, 1.0);
     if c <= 0.003_130_8 { 12.92 * c } else { 1.055 * c.powf(1.0 / 2.4) - 0.055 }
 }
 
 /// sRGB to linear light, both 0 to 1 (IEC 61966-2-1).
-pub fn linear_of_srgb(srgb: f64) -> f64 {
+pub(super) fn linear_of_srgb(srgb: f64) -> f64 {
     let c = srgb.clamp(0.0, 1.0);
     if c <= 0.040_45 { c / 12.92 } else { ((c + 0.055) / 1.055).powf(2.4) }
 }
 
 /// A linear colour as 8-bit sRGB; values above one are cut.
-pub fn to_bytes(linear: [f64; 3]) -> [u8; 3] {
+pub(super) fn to_bytes(linear: [f64; 3]) -> [u8; 3] {
     linear.map(|c| (255.0 * srgb_of_linear(c)).round() as u8)
 }
 
 /// Splits an exitance or any linear colour into its largest part and the hue below one.
-pub fn split(linear: [f64; 3]) -> (f64, [f64; 3]) {
+pub(super) fn split(linear: [f64; 3]) -> (f64, [f64; 3]) {
     let peak = linear.into_iter().fold(0.0, f64::max);
     if peak > 0.0 { (peak, linear.map(|c| c / peak)) } else { (0.0, [1.0; 3]) }
 }
 
 /// `exitance` recoloured like `hue`, with the luminance it had.
-pub fn recoloured(exitance: [f64; 3], hue: [f64; 3]) -> [f64; 3] {
-    let (before, after) =
-        (crate::scene::luminance_weighted(exitance), crate::scene::luminance_weighted(hue));
+pub(super) fn recoloured(exitance: [f64; 3], hue: [f64; 3]) -> [f64; 3] {
+    let (before, after) = (crate::scene::luminance_weighted(exitance), crate::scene::luminance_weighted(hue));
     if after > 0.0 { hue.map(|c| c * before / after) } else { exitance }
 }
 
 /// The colour temperature whose black body is nearest in hue, kelvin; `None` where none is near.
-pub fn nearest_kelvin(linear: [f64; 3]) -> Option<f64> {
+pub(super) fn nearest_kelvin(linear: [f64; 3]) -> Option<f64> {
     let (peak, hue) = split(linear);
     if peak <= 0.0 {
         return None;
@@ -111,7 +110,8 @@ mod tests {
     #[test]
     fn recolouring_keeps_the_luminance() {
         let new = recoloured([10.0, 20.0, 5.0], black_body(2700.0));
-        let (a, b) = (crate::scene::luminance_weighted([10.0, 20.0, 5.0]), crate::scene::luminance_weighted(new));
+        let (a, b) =
+            (crate::scene::luminance_weighted([10.0, 20.0, 5.0]), crate::scene::luminance_weighted(new));
         assert!((a - b).abs() < 1e-9);
     }
 

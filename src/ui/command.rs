@@ -8,7 +8,7 @@ use crate::session::SolveSettings;
 
 /// What is saved to a file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum SaveKind {
+pub(super) enum SaveKind {
     /// The view as shown, PNG.
     Screenshot,
     /// The view as radiance with further layers, OpenEXR.
@@ -21,7 +21,7 @@ pub enum SaveKind {
 
 impl SaveKind {
     /// What the menu says.
-    pub fn title(self) -> &'static str {
+    pub(super) fn title(self) -> &'static str {
         match self {
             Self::Screenshot => "Save picture (PNG)",
             Self::Hdr => "Save radiance (EXR)",
@@ -31,7 +31,7 @@ impl SaveKind {
     }
 
     /// File name extension without the dot.
-    pub fn extension(self) -> &'static str {
+    pub(super) fn extension(self) -> &'static str {
         match self {
             Self::Screenshot => "png",
             Self::Hdr => "exr",
@@ -44,7 +44,7 @@ impl SaveKind {
 /// One thing that the user asks for.
 #[derive(Clone, Debug, PartialEq)]
 #[must_use = "a command does nothing until it is carried out"]
-pub enum Command {
+pub(super) enum Command {
     /// Open this scene.
     Open(SceneSource),
     /// Choose a file and open it.
@@ -121,7 +121,7 @@ pub enum Command {
 
 /// What an edit touches: edits of one thing in one gesture make one step of undo.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum EditKey {
+pub(super) enum EditKey {
     /// One lamp.
     Lamp(usize),
     /// All lamps at once.
@@ -136,7 +136,7 @@ pub enum EditKey {
 
 impl Command {
     /// What undo covers and whether successive ones melt into one step; `None` for other commands.
-    pub fn edit_key(&self) -> Option<EditKey> {
+    pub(super) fn edit_key(&self) -> Option<EditKey> {
         match self {
             Self::SetLamp(lamp, _) => Some(EditKey::Lamp(*lamp)),
             Self::ToggleLamp(_) | Self::AllLamps(_) | Self::SoloLamp(_) | Self::ResetLamps => {

@@ -28,7 +28,10 @@ impl App {
 
     fn execute(&mut self, ctx: &egui::Context, command: Command) {
         if let Some(key) = command.edit_key() {
-            let discrete = !matches!(command, Command::SetLamp(..) | Command::SetReflectance(..) | Command::SetDisplay(_));
+            let discrete = !matches!(
+                command,
+                Command::SetLamp(..) | Command::SetReflectance(..) | Command::SetDisplay(_)
+            );
             let (edits, solo) = self.edited(&command);
             self.apply(key, edits);
             if solo.is_some() || !matches!(command, Command::SetDisplay(_) | Command::SetReflectance(..)) {
@@ -55,7 +58,9 @@ impl App {
             Command::Reload => self.reload(),
             Command::Save(SaveKind::Screenshot) if self.viewport.is_none() => {}
             Command::Save(kind) => self.files.save_dialog(kind, &self.suggested_path(kind)),
-            Command::QuickScreenshot => self.save_to(SaveKind::Screenshot, self.suggested_path(SaveKind::Screenshot)),
+            Command::QuickScreenshot => {
+                self.save_to(SaveKind::Screenshot, self.suggested_path(SaveKind::Screenshot))
+            }
             Command::StoreComparison => self.picture.store_comparison(),
             Command::GoToView(index) => self.go_to(index),
             Command::StepView(step) => self.step_view(step),
@@ -297,12 +302,14 @@ impl App {
     /// Glides to where a patch is seen from nearly straight ahead, nothing being in between.
     fn jump_to(&mut self, patch: u32) {
         let Some(prepared) = self.picture.prepared.clone() else { return };
-        let (Some(target), Some(camera)) = (prepared.mesh.patches.get(patch as usize), &mut self.camera) else {
+        let (Some(target), Some(camera)) = (prepared.mesh.patches.get(patch as usize), &mut self.camera)
+        else {
             return;
         };
         self.inspected = Some(patch);
         // A little off the normal: looking straight down has no heading.
-        let aside = (camera.pose().eye - target.centre).reject_from_normalized(target.normal).normalize_or(DVec3::X);
+        let aside =
+            (camera.pose().eye - target.centre).reject_from_normalized(target.normal).normalize_or(DVec3::X);
         let outwards = (target.normal + 0.25 * aside).normalize();
         let wanted = (6.0 * target.radius).clamp(0.02 * prepared.mesh.size, 0.3 * prepared.mesh.size);
         let start = target.centre + target.normal * (1e-6 * prepared.mesh.size);

@@ -87,7 +87,9 @@ impl Files {
 
     /// Asks for a scene to open.
     pub(super) fn open_dialog(&self) {
-        let dialog = rfd::AsyncFileDialog::new().set_title("Open a scene").add_filter("Wavefront OBJ", &["obj", "OBJ"]);
+        let dialog = rfd::AsyncFileDialog::new()
+            .set_title("Open a scene")
+            .add_filter("Wavefront OBJ", &["obj", "OBJ"]);
         let choice = dialog.pick_file();
         self.spawn("open dialog", move || {
             let asked = Instant::now();

@@ -3,7 +3,7 @@
 /// States to go back and forward to. `K` says what an edit touches: edits of one thing in one
 /// gesture (a dragged slider) make one step.
 #[derive(Clone, Debug)]
-pub struct History<K, S> {
+pub(super) struct History<K, S> {
     past: Vec<S>,
     future: Vec<S>,
     open: Option<K>,
@@ -20,7 +20,7 @@ impl<K, S> Default for History<K, S> {
 
 impl<K: PartialEq, S> History<K, S> {
     /// Keeps `before`, the state that an edit of `key` is about to replace.
-    pub fn record(&mut self, key: K, before: S) {
+    pub(super) fn record(&mut self, key: K, before: S) {
         self.future.clear();
         if self.open.as_ref() == Some(&key) {
             return;
@@ -33,12 +33,12 @@ impl<K: PartialEq, S> History<K, S> {
     }
 
     /// Ends the gesture: the next edit is a step of its own.
-    pub fn seal(&mut self) {
+    pub(super) fn seal(&mut self) {
         self.open = None;
     }
 
     /// The state before the last edit; `now` can be redone.
-    pub fn undo(&mut self, now: S) -> Option<S> {
+    pub(super) fn undo(&mut self, now: S) -> Option<S> {
         self.seal();
         let before = self.past.pop()?;
         self.future.push(now);
@@ -46,7 +46,7 @@ impl<K: PartialEq, S> History<K, S> {
     }
 
     /// The state that was undone last.
-    pub fn redo(&mut self, now: S) -> Option<S> {
+    pub(super) fn redo(&mut self, now: S) -> Option<S> {
         self.seal();
         let after = self.future.pop()?;
         self.past.push(now);
@@ -54,17 +54,17 @@ impl<K: PartialEq, S> History<K, S> {
     }
 
     /// Whether there is a step to undo.
-    pub fn can_undo(&self) -> bool {
+    pub(super) fn can_undo(&self) -> bool {
         !self.past.is_empty()
     }
 
     /// Whether there is a step to redo.
-    pub fn can_redo(&self) -> bool {
+    pub(super) fn can_redo(&self) -> bool {
         !self.future.is_empty()
     }
 
     /// Forgets everything.
-    pub fn clear(&mut self) {
+    pub(super) fn clear(&mut self) {
         *self = Self::default();
     }
 }

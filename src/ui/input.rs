@@ -11,7 +11,9 @@ const EXPOSURE_STEP: f64 = 0.5;
 
 /// Whether keys belong to the scene and not to a widget.
 pub(super) fn keys_are_free(ctx: &Context) -> bool {
-    !ctx.egui_wants_keyboard_input() && ctx.memory(|m| m.focused()).is_none() && !egui::Popup::is_any_open(ctx)
+    !ctx.egui_wants_keyboard_input()
+        && ctx.memory(|m| m.focused()).is_none()
+        && !egui::Popup::is_any_open(ctx)
 }
 
 /// Where the held keys want to go.
@@ -68,7 +70,10 @@ pub(super) fn commands(ctx: &Context, model: &Model<'_>, help_open: bool, out: &
         (Key::OpenBracket, Command::StepView(-1)),
         (Key::CloseBracket, Command::StepView(1)),
         (Key::P, Command::Pause(!model.snapshot.paused)),
-        (Key::F, Command::SetMotion(if model.state.motion == Motion::Walk { Motion::Fly } else { Motion::Walk })),
+        (
+            Key::F,
+            Command::SetMotion(if model.state.motion == Motion::Walk { Motion::Fly } else { Motion::Walk }),
+        ),
     ] {
         if pressed(key) {
             out.push(command);
@@ -79,17 +84,8 @@ pub(super) fn commands(ctx: &Context, model: &Model<'_>, help_open: bool, out: &
 }
 
 fn lamp_keys(pressed: &impl Fn(Key) -> bool, model: &Model<'_>, out: &mut Commands) {
-    let numbers = [
-        Key::Num1,
-        Key::Num2,
-        Key::Num3,
-        Key::Num4,
-        Key::Num5,
-        Key::Num6,
-        Key::Num7,
-        Key::Num8,
-        Key::Num9,
-    ];
+    let numbers =
+        [Key::Num1, Key::Num2, Key::Num3, Key::Num4, Key::Num5, Key::Num6, Key::Num7, Key::Num8, Key::Num9];
     for (lamp, key) in numbers.into_iter().enumerate() {
         if pressed(key) {
             out.push(Command::ToggleLamp(lamp));
@@ -108,8 +104,7 @@ fn display_keys(pressed: &impl Fn(Key) -> bool, model: &Model<'_>, out: &mut Com
         new.wireframe = !now.wireframe;
     }
     if pressed(Key::G) {
-        new.shading =
-            if now.shading == ShadingMode::Flat { ShadingMode::Smooth } else { ShadingMode::Flat };
+        new.shading = if now.shading == ShadingMode::Flat { ShadingMode::Smooth } else { ShadingMode::Flat };
     }
     if pressed(Key::L) {
         let lux = now.quantity == Quantity::Illuminance;
@@ -127,4 +122,3 @@ fn display_keys(pressed: &impl Fn(Key) -> bool, model: &Model<'_>, out: &mut Com
         out.push(Command::SetDisplay(new));
     }
 }
-

@@ -35,7 +35,13 @@ pub(super) fn show(ui: &egui::Ui, view: Rect, quantity: Quantity, scale: &FalseC
     }
     if quantity == Quantity::Sides {
         for (y, text) in [(bar.top(), "back"), (bar.bottom(), "front")] {
-            painter.text(Pos2::new(bar.right() + 8.0, y), Align2::LEFT_CENTER, text, font.clone(), theme::TEXT);
+            painter.text(
+                Pos2::new(bar.right() + 8.0, y),
+                Align2::LEFT_CENTER,
+                text,
+                font.clone(),
+                theme::TEXT,
+            );
         }
         return;
     }

@@ -40,7 +40,7 @@ fn corner(ui: &egui::Ui, name: &str, view: Rect, align: Align2, contents: impl F
 
 /// One line that tells how to walk and that lamps can be clicked.
 pub(super) fn hint(ui: &egui::Ui, view: Rect) {
-    corner(ui, "hint", view, Align2::CENTER_BOTTOM, |ui| {
+    corner(ui, "hint", view, Align2::CENTER_TOP, |ui| {
         ui.style_mut().interaction.selectable_labels = false;
         ui.label(
             RichText::new("W A S D and drag to walk  -  click a lamp to switch it  -  hover to read lux  -  F1 for more")
@@ -81,10 +81,12 @@ pub(super) fn waiting(ui: &egui::Ui, view: Rect, text: &str) {
 /// The numbers of what lies under the cursor, in the lower left corner.
 pub(super) fn readout(ui: &egui::Ui, view: Rect, model: &Model<'_>, pick: &Pick) {
     let (Some(scene), Some(mesh)) = (model.scene, model.mesh) else { return };
-    let Some((id, patch)) = pick.patch.and_then(|id| Some((id as usize, mesh.patches.get(id as usize)?))) else {
+    let Some((id, patch)) = pick.patch.and_then(|id| Some((id as usize, mesh.patches.get(id as usize)?)))
+    else {
         return;
     };
-    let (Some(irradiance), Some(radiosity)) = (model.light.irradiance.get(id), model.light.radiosity.get(id)) else {
+    let (Some(irradiance), Some(radiosity)) = (model.light.irradiance.get(id), model.light.radiosity.get(id))
+    else {
         return;
     };
     let size = Vec2::new(300.0, 62.0);
@@ -106,7 +108,9 @@ pub(super) fn readout(ui: &egui::Ui, view: Rect, model: &Model<'_>, pick: &Pick)
     let lamp = patch.luminaire.and_then(|l| scene.luminaires.get(l as usize));
     let line = match lamp {
         Some(lamp) => format!("{}  -  click to switch", lamp.name),
-        None => format!("{}  reflectance {:.2}", shortened(material, 26), crate::scene::luminance_weighted(rho)),
+        None => {
+            format!("{}  reflectance {:.2}", shortened(material, 26), crate::scene::luminance_weighted(rho))
+        }
     };
     painter.text(at + Vec2::new(0.0, 22.0), Align2::LEFT_TOP, line, small.clone(), theme::TEXT);
     let unit = scene.unit;

@@ -40,7 +40,8 @@ impl PathDialog {
             .resizable(false)
             .show(ui.ctx(), |ui| {
                 let label = ui.label(RichText::new("Path of the file").color(theme::TEXT_WEAK));
-                let field = ui.add(TextEdit::singleline(&mut self.text).desired_width(460.0)).labelled_by(label.id);
+                let field =
+                    ui.add(TextEdit::singleline(&mut self.text).desired_width(460.0)).labelled_by(label.id);
                 if !self.focused {
                     field.request_focus();
                     self.focused = true;

@@ -3,29 +3,29 @@
 use egui::{Color32, CornerRadius, FontFamily, FontId, Margin, Stroke, TextStyle, Vec2};
 
 /// What is lit or active.
-pub const ACCENT: Color32 = Color32::from_rgb(242, 169, 74);
+pub(super) const ACCENT: Color32 = Color32::from_rgb(242, 169, 74);
 /// The accent behind text.
-pub const ACCENT_DIM: Color32 = Color32::from_rgb(98, 70, 34);
+pub(super) const ACCENT_DIM: Color32 = Color32::from_rgb(98, 70, 34);
 /// Warnings; always with a word.
-pub const WARNING: Color32 = Color32::from_rgb(232, 190, 88);
+pub(super) const WARNING: Color32 = Color32::from_rgb(232, 190, 88);
 /// Failures; always with a word.
-pub const FAILURE: Color32 = Color32::from_rgb(232, 104, 92);
+pub(super) const FAILURE: Color32 = Color32::from_rgb(232, 104, 92);
 /// Finished well.
-pub const DONE: Color32 = Color32::from_rgb(140, 190, 140);
+pub(super) const DONE: Color32 = Color32::from_rgb(140, 190, 140);
 /// Text that matters.
-pub const TEXT: Color32 = Color32::from_gray(216);
+pub(super) const TEXT: Color32 = Color32::from_gray(216);
 /// Text beside it.
-pub const TEXT_WEAK: Color32 = Color32::from_gray(150);
+pub(super) const TEXT_WEAK: Color32 = Color32::from_gray(150);
 /// Panels.
-pub const PANEL: Color32 = Color32::from_gray(31);
+pub(super) const PANEL: Color32 = Color32::from_gray(31);
 /// Behind the picture.
-pub const BACKDROP: Color32 = Color32::from_gray(20);
+pub(super) const BACKDROP: Color32 = Color32::from_gray(20);
 
 /// Width of a side panel, points.
-pub const PANEL_WIDTH: f32 = 264.0;
+pub(super) const PANEL_WIDTH: f32 = 264.0;
 
 /// Dresses the whole window.
-pub fn apply(ctx: &egui::Context) {
+pub(super) fn apply(ctx: &egui::Context) {
     ctx.set_theme(egui::Theme::Dark);
     ctx.all_styles_mut(|style| {
         style.text_styles = [
@@ -83,7 +83,7 @@ pub fn apply(ctx: &egui::Context) {
 }
 
 /// The ground of what lies over the picture.
-pub fn overlay() -> egui::Frame {
+pub(super) fn overlay() -> egui::Frame {
     egui::Frame::new()
         .fill(Color32::from_black_alpha(178))
         .corner_radius(CornerRadius::same(5))
@@ -91,13 +91,13 @@ pub fn overlay() -> egui::Frame {
 }
 
 /// Small capitals above a group of controls.
-pub fn group_title(ui: &mut egui::Ui, text: &str) {
+pub(super) fn group_title(ui: &mut egui::Ui, text: &str) {
     ui.add_space(2.0);
     ui.label(egui::RichText::new(text).small().color(TEXT_WEAK));
 }
 
 /// A line with a name on the left and a value on the right.
-pub fn row(ui: &mut egui::Ui, name: &str, value: impl Into<String>) -> egui::Response {
+pub(super) fn row(ui: &mut egui::Ui, name: &str, value: impl Into<String>) -> egui::Response {
     ui.horizontal(|ui| {
         ui.label(egui::RichText::new(name).color(TEXT_WEAK));
         ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {

@@ -1,7 +1,7 @@
 //! Numbers as people read them: three digits, a unit, no jumping decimals.
 
 /// A quantity to three significant digits, in plain decimals between 0.001 and 99,999.
-pub fn digits(value: f64) -> String {
+pub(super) fn digits(value: f64) -> String {
     if !value.is_finite() {
         return "-".to_owned();
     }
@@ -13,7 +13,8 @@ pub fn digits(value: f64) -> String {
         return format!("{value:.2e}");
     }
     // Rounded first: 9.996 is "10.0", not "9.996".
-    let exponent = format!("{size:.2e}").split_once('e').and_then(|(_, e)| e.parse::<i32>().ok()).unwrap_or(0);
+    let exponent =
+        format!("{size:.2e}").split_once('e').and_then(|(_, e)| e.parse::<i32>().ok()).unwrap_or(0);
     if exponent >= 3 {
         let scale = 10_f64.powi(exponent - 2);
         return grouped((value / scale).round() as i64 * scale as i64);
@@ -22,7 +23,7 @@ pub fn digits(value: f64) -> String {
 }
 
 /// A count with commas between thousands.
-pub fn count(value: usize) -> String {
+pub(super) fn count(value: usize) -> String {
     grouped(value as i64)
 }
 
@@ -42,7 +43,7 @@ fn grouped(value: i64) -> String {
 }
 
 /// A time left or taken: "0.4 ms", "3.2 s", "2 min 05 s".
-pub fn duration(seconds: f64) -> String {
+pub(super) fn duration(seconds: f64) -> String {
     if !seconds.is_finite() || seconds < 0.0 {
         return "-".to_owned();
     }
@@ -61,7 +62,7 @@ pub fn duration(seconds: f64) -> String {
 }
 
 /// Bytes in MB or GB.
-pub fn bytes(count: u64) -> String {
+pub(super) fn bytes(count: u64) -> String {
     let megabytes = count as f64 / 1e6;
     if megabytes < 1000.0 { format!("{megabytes:.0} MB") } else { format!("{:.2} GB", megabytes / 1e3) }
 }
@@ -92,8 +93,13 @@ mod tests {
 
     #[test]
     fn durations_read_as_people_say_them() {
-        let expected =
-            [(0.0004, "0.4 ms"), (3.21, "3.2 s"), (59.7, "1 min 00 s"), (125.0, "2 min 05 s"), (7260.0, "2 h 01 min")];
+        let expected = [
+            (0.0004, "0.4 ms"),
+            (3.21, "3.2 s"),
+            (59.7, "1 min 00 s"),
+            (125.0, "2 min 05 s"),
+            (7260.0, "2 h 01 min"),
+        ];
         for (seconds, text) in expected {
             assert_eq!(duration(seconds), text);
         }

@@ -22,7 +22,8 @@ const ORBIT_SPEED: f64 = 3.0;
 impl App {
     /// Shows the view and answers to the mouse.
     pub(super) fn show_view(&mut self, ui: &mut egui::Ui, out: &mut Commands) {
-        let (rect, response) = ui.allocate_exact_size(ui.available_size().max(Vec2::splat(1.0)), Sense::click_and_drag());
+        let (rect, response) =
+            ui.allocate_exact_size(ui.available_size().max(Vec2::splat(1.0)), Sense::click_and_drag());
         response.widget_info(|| egui::WidgetInfo::labeled(egui::accesskit::Role::Canvas, true, "Scene view"));
         self.view_rect = rect;
         let pixels = rect.size() * ui.pixels_per_point();
@@ -49,7 +50,9 @@ impl App {
         let drag = response.drag_motion();
         let height = f64::from(response.rect.height().max(1.0));
         let (dx, dy) = (f64::from(drag.x) / height, f64::from(drag.y) / height);
-        if response.drag_started_by(PointerButton::Secondary) || response.drag_started_by(PointerButton::Middle) {
+        if response.drag_started_by(PointerButton::Secondary)
+            || response.drag_started_by(PointerButton::Middle)
+        {
             self.pivot = self.pick_at_position(response.interact_pointer_pos()).map(|pick| pick.position);
         }
         let Some(camera) = &mut self.camera else { return };
@@ -68,7 +71,8 @@ impl App {
             camera.pan(-dx * metres, dy * metres);
         }
         if response.hovered() {
-            let (zoom, scroll) = ui.input(|i| (f64::from(i.zoom_delta()), f64::from(i.smooth_scroll_delta().y)));
+            let (zoom, scroll) =
+                ui.input(|i| (f64::from(i.zoom_delta()), f64::from(i.smooth_scroll_delta().y)));
             if zoom != 1.0 {
                 camera.set_fov(pose.fov_y_deg / zoom);
             } else if scroll != 0.0 {
@@ -175,8 +179,7 @@ impl App {
     }
 
     fn is_solving(&self) -> bool {
-        !matches!(self.snapshot.stage, Stage::Idle | Stage::Converged | Stage::Stopped | Stage::Failed)
-            && !self.snapshot.paused
+        super::panels::solver::is_running(self.snapshot.stage) && !self.snapshot.paused
     }
 
     fn pick_at(&self, response: &egui::Response) -> Option<Pick> {
@@ -194,7 +197,13 @@ impl App {
         prepared.picker.pick(&camera.ray(pixel, size))
     }
 
-    fn answer_clicks(&mut self, ui: &egui::Ui, response: &egui::Response, pick: Option<&Pick>, out: &mut Commands) {
+    fn answer_clicks(
+        &mut self,
+        ui: &egui::Ui,
+        response: &egui::Response,
+        pick: Option<&Pick>,
+        out: &mut Commands,
+    ) {
         let patch = pick.and_then(|pick| pick.patch);
         let mesh = self.picture.prepared.as_ref().map(|p| &p.mesh);
         let lamp = patch.and_then(|id| mesh?.patches.get(id as usize)?.luminaire);
@@ -214,7 +223,14 @@ impl App {
         }
     }
 
-    fn overlays(&self, ui: &egui::Ui, rect: Rect, response: &egui::Response, pick: Option<&Pick>, out: &mut Commands) {
+    fn overlays(
+        &self,
+        ui: &egui::Ui,
+        rect: Rect,
+        response: &egui::Response,
+        pick: Option<&Pick>,
+        out: &mut Commands,
+    ) {
         let model = self.model();
         if let Some(scale) = &self.scale {
             legend::show(ui, rect, self.edits.display.quantity, scale);
@@ -227,12 +243,14 @@ impl App {
         }
         if self.picture.prepared.is_none() {
             let text = match self.snapshot.stage {
-                Stage::Idle if !self.picture.is_building() => "Open a scene: Ctrl-O, or drop an OBJ file here",
+                Stage::Idle if !self.picture.is_building() => {
+                    "Open a scene: Ctrl-O, or drop an OBJ file here"
+                }
                 Stage::Failed => "Nothing could be shown: see the message above",
                 _ => "Loading...",
             };
             overlay::waiting(ui, rect, text);
-        } else if !self.state.hint_done && !self.help_open {
+        } else if !self.state.hint_done && !self.help_open && self.notice.is_none() {
             overlay::hint(ui, rect);
         }
         if let Some(notice) = &self.notice {
@@ -245,8 +263,9 @@ impl App {
 
     /// Opens what was dropped onto the window.
     pub(super) fn dropped_files(&mut self, ui: &egui::Ui, out: &mut Commands) {
-        let paths: Vec<_> = ui.input(|i| i.raw.dropped_files.iter().filter_map(|f| f.path.clone()).collect());
-        let is_obj = |path: &std::path::PathBuf| path.extension().is_some_and(|e| e.eq_ignore_ascii_case("obj"));
+        let paths: Vec<_> = ui.input(|i| i.raw.dropped_files.iter().map(|f| f.path().to_owned()).collect());
+        let is_obj =
+            |path: &std::path::PathBuf| path.extension().is_some_and(|e| e.eq_ignore_ascii_case("obj"));
         if let Some(path) = paths.iter().find(|path| is_obj(path)) {
             out.push(Command::Open(SceneSource::File(path.clone())));
         } else if let Some(path) = paths.first() {

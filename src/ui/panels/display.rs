@@ -42,8 +42,9 @@ pub(in crate::ui) fn show(ui: &mut egui::Ui, model: &Model<'_>, out: &mut Comman
         range(ui, model, &mut new);
     }
     ui.checkbox(&mut new.wireframe, "Patch borders").on_hover_text("Lines around patches (M)");
-    ui.checkbox(&mut new.show_unlit, "Sides without patches")
-        .on_hover_text("Draw the sides that light cannot reach, in dark grey; otherwise one looks through them");
+    ui.checkbox(&mut new.show_unlit, "Sides without patches").on_hover_text(
+        "Draw the sides that light cannot reach, in dark grey; otherwise one looks through them",
+    );
     ui.checkbox(&mut new.readout, "Numbers under the cursor");
     theme::group_title(ui, "Comparison");
     ui.horizontal(|ui| {
@@ -89,7 +90,9 @@ fn exposure(ui: &mut egui::Ui, model: &Model<'_>, new: &mut crate::ui::state::Di
         } else {
             let label = ui.label(RichText::new("Exposure").color(theme::TEXT_WEAK));
             let slider = Slider::new(&mut new.ev, -6.0..=18.0).suffix(" EV").fixed_decimals(1);
-            ui.add(slider).labelled_by(label.id).on_hover_text("Exposure value at ISO 100; lower is brighter");
+            ui.add(slider)
+                .labelled_by(label.id)
+                .on_hover_text("Exposure value at ISO 100; lower is brighter");
         }
     });
     combo(ui, "Tone map", new.tone_map.name(), |ui| {
@@ -104,7 +107,11 @@ fn range(ui: &mut egui::Ui, model: &Model<'_>, new: &mut crate::ui::state::Displ
     let unit = new.quantity.unit();
     let mut pinned = new.range.is_some();
     ui.horizontal(|ui| {
-        if ui.checkbox(&mut pinned, "Pin range").on_hover_text("Keep these ends while the light changes").changed() {
+        if ui
+            .checkbox(&mut pinned, "Pin range")
+            .on_hover_text("Keep these ends while the light changes")
+            .changed()
+        {
             new.range = pinned.then_some(in_force);
         }
         if new.quantity != Quantity::Difference {
@@ -116,7 +123,8 @@ fn range(ui: &mut egui::Ui, model: &Model<'_>, new: &mut crate::ui::state::Displ
         let speed = ((ends[1] - ends[0]).abs() * 0.005).max(1e-6);
         let formatted = |value: f64, _: std::ops::RangeInclusive<usize>| units::digits(value);
         for (end, name) in ends.iter_mut().zip(["Lower end", "Upper end"]) {
-            let drag = DragValue::new(end).speed(speed).custom_formatter(formatted).suffix(format!(" {unit}"));
+            let drag =
+                DragValue::new(end).speed(speed).custom_formatter(formatted).suffix(format!(" {unit}"));
             ui.name_inputs(name, |ui| ui.add_enabled(pinned, drag));
         }
         if pinned && ends != in_force && ends[0] < ends[1] {

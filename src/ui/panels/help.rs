@@ -6,7 +6,7 @@ use crate::ui::theme;
 use egui::{Align2, Grid, RichText, Vec2};
 
 /// Keys and what they do, by group. The table in the README says the same.
-pub(in crate::ui) const KEYS: [(&str, &[(&str, &str)]); 4] = [
+const KEYS: [(&str, &[(&str, &str)]); 4] = [
     (
         "Moving",
         &[

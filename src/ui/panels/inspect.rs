@@ -41,7 +41,7 @@ pub(in crate::ui) fn show(ui: &mut egui::Ui, model: &Model<'_>, out: &mut Comman
         None => empty(ui, "Ctrl-click a surface to look into its patch."),
     }
     theme::group_title(ui, "Patches that stand out");
-    let id = ui.id().with("sorted by");
+    let id = ui.scope_id().with("sorted by");
     let mut sort: SortBy = ui.data(|d| d.get_temp(id)).unwrap_or_default();
     ui.horizontal(|ui| {
         for (by, label, tip) in SortBy::ALL {
@@ -55,7 +55,12 @@ pub(in crate::ui) fn show(ui: &mut egui::Ui, model: &Model<'_>, out: &mut Comman
     for (patch, value) in worst(model, sort) {
         let text = format!("{:>7}   {}", units::count(patch as usize), units::digits(value));
         let button = Button::selectable(model.inspected == Some(patch), RichText::new(text).monospace());
-        if ui.add(button).on_hover_text("Go there and look into it").accessible_name(format!("Patch {patch}")).clicked() {
+        if ui
+            .add(button)
+            .on_hover_text("Go there and look into it")
+            .accessible_name(format!("Patch {patch}"))
+            .clicked()
+        {
             out.push(Command::JumpToPatch(patch));
         }
     }

@@ -29,9 +29,7 @@ pub(in crate::ui) fn show(ui: &mut egui::Ui, model: &Model<'_>, out: &mut Comman
         }
     });
     ui.add_space(2.0);
-    for (index, (luminaire, &state)) in
-        scene.luminaires.iter().zip(&model.edits.lighting.lamps).enumerate()
-    {
+    for (index, (luminaire, &state)) in scene.luminaires.iter().zip(&model.edits.lighting.lamps).enumerate() {
         ui.push_id(index, |ui| lamp_row(ui, model, index, luminaire, state, out));
     }
 }
@@ -51,7 +49,7 @@ fn lamp_row(
         // The controls on the right keep their width; the name takes what is left.
         ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
             colour_button(ui, luminaire, state, &mut new);
-            let solo = Button::selectable(model.solo == Some(index), "S").min_size(Vec2::new(20.0, 18.0));
+            let solo = Button::new("S").selected(model.solo == Some(index)).min_size(Vec2::new(20.0, 18.0));
             if ui
                 .add(solo)
                 .on_hover_text("Solo: this lamp alone; once more brings the others back")
@@ -64,7 +62,8 @@ fn lamp_row(
             let mut percent = state.dimmer * 100.0;
             let slider = Slider::new(&mut percent, 0.0..=100.0).show_value(false);
             let dimmer = ui.add_enabled(state.on, slider).accessible_name(format!("Dim {name}"));
-            let dimmer = dimmer.on_hover_text(format!("{percent:.0} %  -  {} lm", units::digits(lumens(luminaire, state))));
+            let dimmer = dimmer
+                .on_hover_text(format!("{percent:.0} %  -  {} lm", units::digits(lumens(luminaire, state))));
             if dimmer.changed() {
                 new.dimmer = (percent / 100.0).clamp(0.0, 1.0);
             }
@@ -73,6 +72,9 @@ fn lamp_row(
                 let text = RichText::new(name).color(if state.on { theme::TEXT } else { theme::TEXT_WEAK });
                 let key = if index < 9 { format!("{name}  (key {})", index + 1) } else { name.clone() };
                 ui.style_mut().wrap_mode = Some(egui::TextWrapMode::Truncate);
+                // The tick is what is lit.
+                ui.visuals_mut().widgets.inactive.fg_stroke.color = theme::ACCENT;
+                ui.visuals_mut().widgets.hovered.fg_stroke.color = theme::ACCENT;
                 ui.checkbox(&mut new.on, text).on_hover_text(key);
             });
         });
@@ -92,11 +94,12 @@ fn colour_button(ui: &mut egui::Ui, luminaire: &Luminaire, state: LampState, new
     let [r, g, b] = colour::to_bytes(hue);
     let swatch = Button::new("").fill(Color32::from_rgb(r, g, b)).min_size(Vec2::new(20.0, 16.0));
     let (response, _) = egui::containers::menu::MenuButton::from_button(swatch)
-        .config(egui::containers::menu::MenuConfig::new().close_behavior(egui::PopupCloseBehavior::CloseOnClickOutside))
+        .config(
+            egui::containers::menu::MenuConfig::new()
+                .close_behavior(egui::PopupCloseBehavior::CloseOnClickOutside),
+        )
         .ui(ui, |ui| colour_menu(ui, luminaire, state, new));
-    response
-        .on_hover_text("Colour and strength")
-        .accessible_name(format!("Colour of {}", luminaire.name));
+    response.on_hover_text("Colour and strength").accessible_name(format!("Colour of {}", luminaire.name));
 }
 
 fn colour_menu(ui: &mut egui::Ui, luminaire: &Luminaire, state: LampState, new: &mut LampState) {
@@ -104,11 +107,18 @@ fn colour_menu(ui: &mut egui::Ui, luminaire: &Luminaire, state: LampState, new: 
     ui.set_min_width(230.0);
     ui.label(RichText::new(name).strong());
     let kelvin = colour::nearest_kelvin(state.exitance);
-    let mut chosen = kelvin.unwrap_or(4000.0);
+    // Rounded as shown: the slider must not take its own rounding for a wish.
+    let shown = kelvin.unwrap_or(4000.0).round();
+    let mut chosen = shown;
     ui.horizontal(|ui| {
         ui.label("Temperature");
-        let slider = Slider::new(&mut chosen, MIN_KELVIN..=MAX_KELVIN).logarithmic(true).suffix(" K").fixed_decimals(0);
-        if ui.name_inputs(format!("Colour temperature of {name}"), |ui| ui.add(slider)).inner.changed() {
+        let slider = Slider::new(&mut chosen, MIN_KELVIN..=MAX_KELVIN)
+            .logarithmic(true)
+            .suffix(" K")
+            .fixed_decimals(0);
+        if ui.name_inputs(format!("Colour temperature of {name}"), |ui| ui.add(slider)).changed()
+            && chosen != shown
+        {
             new.exitance = colour::recoloured(state.exitance, colour::black_body(chosen));
         }
     });
@@ -123,7 +133,7 @@ fn colour_menu(ui: &mut egui::Ui, luminaire: &Luminaire, state: LampState, new: 
         ui.label("Colour");
         let (_, hue) = colour::split(state.exitance);
         let mut srgb = colour::to_bytes(hue);
-        let picked = ui.name_inputs(format!("Hue of {name}"), |ui| ui.color_edit_button_srgb(&mut srgb)).inner;
+        let picked = ui.name_inputs(format!("Hue of {name}"), |ui| ui.color_edit_button_srgb(&mut srgb));
         if picked.changed() {
             let linear = srgb.map(|c| colour::linear_of_srgb(f64::from(c) / 255.0));
             new.exitance = colour::recoloured(state.exitance, linear);
@@ -136,10 +146,15 @@ fn colour_menu(ui: &mut egui::Ui, luminaire: &Luminaire, state: LampState, new: 
         ui.label("Full output");
         let full = LampState { on: true, dimmer: 1.0, ..state };
         let before = lumens(luminaire, full);
-        let mut wanted = before;
-        let drag = egui::DragValue::new(&mut wanted).range(0.0..=1e7).speed((before * 0.01).max(0.1)).suffix(" lm").max_decimals(0);
-        let drag = ui.name_inputs(format!("Lumens of {name}"), |ui| ui.add(drag)).inner;
-        if drag.changed() {
+        let shown = before.round();
+        let mut wanted = shown;
+        let drag = egui::DragValue::new(&mut wanted)
+            .range(0.0..=1e7)
+            .speed((before * 0.01).max(0.1))
+            .suffix(" lm")
+            .max_decimals(0);
+        let drag = ui.name_inputs(format!("Lumens of {name}"), |ui| ui.add(drag));
+        if drag.changed() && wanted != shown {
             new.exitance = if before > 0.0 {
                 state.exitance.map(|e| e * (wanted / before).max(1e-6))
             } else {

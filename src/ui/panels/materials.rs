@@ -30,25 +30,41 @@ pub(in crate::ui) fn show(ui: &mut egui::Ui, model: &Model<'_>, out: &mut Comman
                 let mut new = None;
                 let mut srgb = colour::to_bytes(now);
                 let name = &material.name;
-                let swatch = ui.name_inputs(format!("Colour of {name}"), |ui| ui.color_edit_button_srgb(&mut srgb)).inner;
+                let swatch =
+                    ui.name_inputs(format!("Colour of {name}"), |ui| ui.color_edit_button_srgb(&mut srgb));
                 if swatch.changed() {
                     new = Some(srgb.map(|c| colour::linear_of_srgb(f64::from(c) / 255.0)));
                 }
                 ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
-                    ui.spacing_mut().slider_width = 62.0;
-                    let mut rho = luminance_weighted(now);
+                    // Rounded as shown: the slider must not take its own rounding for a wish.
+                    let shown = (luminance_weighted(now) * 100.0).round() / 100.0;
+                    let mut rho = shown;
                     let slider = Slider::new(&mut rho, 0.0..=MAX_REFLECTANCE).fixed_decimals(2);
-                    let slider = ui.name_inputs(format!("Reflectance of {name}"), |ui| ui.add(slider)).inner;
-                    if slider.changed() {
+                    let size = egui::vec2(116.0, ui.spacing().interact_size.y);
+                    let left_to_right = Layout::left_to_right(Align::Center);
+                    let slider = ui.allocate_ui_with_layout(size, left_to_right, |ui| {
+                        ui.spacing_mut().slider_width = 66.0;
+                        ui.name_inputs(format!("Reflectance of {name}"), |ui| ui.add(slider))
+                    });
+                    if slider.inner.changed() && rho != shown {
                         new = Some(scaled(now, rho));
                     }
                     ui.with_layout(Layout::left_to_right(Align::Center), |ui| {
-                        let text = RichText::new(name).color(if edit.is_some() { theme::ACCENT } else { theme::TEXT });
-                        let label = ui.add(egui::Label::new(text).truncate());
-                        label.on_hover_text(match material.texture.and_then(|t| scene.textures.get(t as usize)) {
-                            Some(texture) => format!("{name}: factor of the texture {}", texture.name),
-                            None => format!("{name}: diffuse reflectance {:.2} {:.2} {:.2}", now[0], now[1], now[2]),
+                        let text = RichText::new(name).color(if edit.is_some() {
+                            theme::ACCENT
+                        } else {
+                            theme::TEXT
                         });
+                        let label = ui.add(egui::Label::new(text).truncate());
+                        label.on_hover_text(
+                            match material.texture.and_then(|t| scene.textures.get(t as usize)) {
+                                Some(texture) => format!("{name}: factor of the texture {}", texture.name),
+                                None => format!(
+                                    "{name}: diffuse reflectance {:.2} {:.2} {:.2}",
+                                    now[0], now[1], now[2]
+                                ),
+                            },
+                        );
                     });
                 });
                 if let Some(new) = new {

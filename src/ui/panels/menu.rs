@@ -9,12 +9,8 @@ use crate::ui::{theme, units};
 use egui::{Button, RichText};
 
 /// The embedded scenes and what the menu says of them.
-const BUILTIN: [(&str, &str); 4] = [
-    ("hemicube", "Room of 1985"),
-    ("cornell", "Cornell box"),
-    ("house", "House"),
-    ("gallery", "Gallery"),
-];
+const BUILTIN: [(&str, &str); 4] =
+    [("hemicube", "Room of 1985"), ("cornell", "Cornell box"), ("house", "House"), ("gallery", "Gallery")];
 
 /// Shows the bar.
 pub(in crate::ui) fn show(ui: &mut egui::Ui, model: &Model<'_>, out: &mut Commands) {
@@ -62,7 +58,9 @@ fn file(ui: &mut egui::Ui, model: &Model<'_>, out: &mut Commands) {
             ui.label(RichText::new("No file yet").color(theme::TEXT_WEAK));
         }
         for path in &model.state.recent {
-            let name = path.file_name().map_or_else(|| path.display().to_string(), |n| n.to_string_lossy().into_owned());
+            let name = path
+                .file_name()
+                .map_or_else(|| path.display().to_string(), |n| n.to_string_lossy().into_owned());
             let button = ui.button(name).on_hover_text(path.display().to_string());
             if button.clicked() {
                 out.push(Command::Open(SceneSource::File(path.clone())));
@@ -123,13 +121,27 @@ fn mesh(ui: &mut egui::Ui, model: &Model<'_>, out: &mut Commands) {
     let display = model.edits.display;
     let mut new = display;
     new.wireframe = !display.wireframe;
-    item(ui, out, if display.wireframe { "Hide patch borders" } else { "Show patch borders" }, "M", true, Command::SetDisplay(new));
+    item(
+        ui,
+        out,
+        if display.wireframe { "Hide patch borders" } else { "Show patch borders" },
+        "M",
+        true,
+        Command::SetDisplay(new),
+    );
     let mut new = display;
     let flat = display.shading == ShadingMode::Flat;
     new.shading = if flat { ShadingMode::Smooth } else { ShadingMode::Flat };
     item(ui, out, if flat { "Smooth shading" } else { "Flat shading" }, "G", true, Command::SetDisplay(new));
     ui.separator();
-    for quantity in [Quantity::PatchIds, Quantity::Normals, Quantity::Sides, Quantity::Aspect, Quantity::Area, Quantity::Reflectance] {
+    for quantity in [
+        Quantity::PatchIds,
+        Quantity::Normals,
+        Quantity::Sides,
+        Quantity::Aspect,
+        Quantity::Area,
+        Quantity::Reflectance,
+    ] {
         let mut new = display;
         new.quantity = quantity;
         new.range = None;

@@ -66,13 +66,10 @@ pub(super) type Commands = Vec<Command>;
 /// A section with a title that folds.
 pub(super) fn section(ui: &mut egui::Ui, title: &str, open: bool, contents: impl FnOnce(&mut egui::Ui)) {
     let heading = egui::RichText::new(title.to_uppercase()).size(11.5).color(super::theme::TEXT);
-    egui::CollapsingHeader::new(heading)
-        .id_salt(title)
-        .default_open(open)
-        .show_unindented(ui, |ui| {
-            contents(ui);
-            ui.add_space(6.0);
-        });
+    egui::CollapsingHeader::new(heading).id_salt(title).default_open(open).show_unindented(ui, |ui| {
+        contents(ui);
+        ui.add_space(6.0);
+    });
     ui.separator();
 }
 

@@ -20,6 +20,7 @@ pub(in crate::ui) fn state_of(snapshot: &Snapshot) -> (&'static str, Color32) {
         Stage::Meshing => ("Meshing", theme::ACCENT),
         Stage::FirstLight => ("First light", theme::ACCENT),
         Stage::Rows => ("Solving", theme::ACCENT),
+        Stage::Balancing => ("Balancing", theme::ACCENT),
         Stage::Sweeping => ("Settling", theme::ACCENT),
         Stage::Converged => ("Converged", theme::DONE),
         Stage::Stopped => ("Stopped: light out of date", theme::WARNING),
@@ -29,10 +30,7 @@ pub(in crate::ui) fn state_of(snapshot: &Snapshot) -> (&'static str, Color32) {
 
 /// Whether the worker still has something to do.
 pub(in crate::ui) fn is_running(stage: Stage) -> bool {
-    matches!(
-        stage,
-        Stage::Loading | Stage::Meshing | Stage::FirstLight | Stage::Rows | Stage::Sweeping
-    )
+    !matches!(stage, Stage::Idle | Stage::Converged | Stage::Stopped | Stage::Failed)
 }
 
 /// Shows progress, residual and settings.
@@ -55,10 +53,18 @@ pub(in crate::ui) fn show(ui: &mut egui::Ui, model: &Model<'_>, out: &mut Comman
             if ui.add_enabled(running, egui::Button::new("Resume")).on_hover_text("Go on (P)").clicked() {
                 out.push(Command::Pause(false));
             }
-        } else if ui.add_enabled(running, egui::Button::new("Pause")).on_hover_text("Let the solve rest (P)").clicked() {
+        } else if ui
+            .add_enabled(running, egui::Button::new("Pause"))
+            .on_hover_text("Let the solve rest (P)")
+            .clicked()
+        {
             out.push(Command::Pause(true));
         }
-        if ui.add_enabled(running, egui::Button::new("Stop")).on_hover_text("End the solve; the light so far stays").clicked() {
+        if ui
+            .add_enabled(running, egui::Button::new("Stop"))
+            .on_hover_text("End the solve; the light so far stays")
+            .clicked()
+        {
             out.push(Command::Stop);
         }
     });
@@ -73,17 +79,17 @@ pub(in crate::ui) fn show(ui: &mut egui::Ui, model: &Model<'_>, out: &mut Comman
     if !model.last_change.is_empty() {
         ui.label(RichText::new(model.last_change).small().color(theme::TEXT_WEAK));
     }
-    theme::group_title(ui, "Method");
-    settings(ui, &snapshot.settings, out);
+    ui.collapsing("Method and quality", |ui| settings(ui, &snapshot.settings, out));
     if let Some(plan) = &snapshot.plan
         && !plan.decisions.is_empty()
     {
-        theme::group_title(ui, "Effects of this scene");
-        for decision in &plan.decisions {
-            let on = plan.is_on(decision.effect);
-            theme::row(ui, decision.effect.name(), if on { "on" } else { "off" })
-                .on_hover_text(format!("{}\n{}\n{}", decision.reason, decision.evidence, decision.predicted_cost));
-        }
+        ui.collapsing("Effects of this scene", |ui| {
+            for decision in &plan.decisions {
+                let on = plan.is_on(decision.effect);
+                let why = format!("{}\n{}\n{}", decision.reason, decision.evidence, decision.predicted_cost);
+                theme::row(ui, decision.effect.name(), if on { "on" } else { "off" }).on_hover_text(why);
+            }
+        });
     }
 }
 
@@ -92,7 +98,11 @@ fn numbers(ui: &mut egui::Ui, last: &SweepReport) {
     theme::row(ui, "Residual", format!("{:.1e}", last.residual));
     theme::row(ui, "Error at most", format!("{} %", units::digits(100.0 * last.error_bound)));
     theme::row(ui, "Power emitted", format!("{} W", units::digits(last.emitted)));
-    theme::row(ui, "absorbed / escaped", format!("{} / {} W", units::digits(last.absorbed), units::digits(last.escaped)));
+    theme::row(
+        ui,
+        "absorbed / escaped",
+        format!("{} / {} W", units::digits(last.absorbed), units::digits(last.escaped)),
+    );
 }
 
 fn residual_plot(ui: &mut egui::Ui, sweeps: &[SweepReport]) {
@@ -105,7 +115,7 @@ fn residual_plot(ui: &mut egui::Ui, sweeps: &[SweepReport]) {
         .map(|s| [f64::from(s.sweep), s.residual.log10()])
         .collect();
     egui_plot::Plot::new("residual by sweep")
-        .height(92.0)
+        .height(80.0)
         .allow_drag(false)
         .allow_zoom(false)
         .allow_scroll(false)

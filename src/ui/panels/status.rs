@@ -14,7 +14,8 @@ pub(in crate::ui) fn show(ui: &mut egui::Ui, model: &Model<'_>) {
             Motion::Fly => "fly".to_owned(),
         }));
         ui.separator();
-        ui.label(weak(format!("{:.1} ms", model.frame_secs * 1e3))).on_hover_text("Time of the program for one frame");
+        ui.label(weak(format!("{:.1} ms", model.frame_secs * 1e3)))
+            .on_hover_text("Time of the program for one frame");
         if let Some(mesh) = model.mesh {
             ui.separator();
             ui.label(weak(format!("{} patches", units::count(mesh.patches.len()))));

@@ -19,16 +19,17 @@ pub(in crate::ui) fn show(ui: &mut egui::Ui, model: &Model<'_>, out: &mut Comman
         }
         let mut height = model.state.eye_height;
         let drag = DragValue::new(&mut height).range(0.5..=3.0).speed(0.01).fixed_decimals(2).suffix(" m");
-        let drag = ui.name_inputs("Eye height", |ui| ui.add(drag)).inner;
+        let drag = ui.name_inputs("Eye height", |ui| ui.add(drag));
         if drag.on_hover_text("Eyes above the floor while walking").changed() {
             out.push(Command::SetEyeHeight(height));
         }
     });
     ui.horizontal(|ui| {
         let label = ui.label("Field of view");
-        let mut fov = model.fov_deg;
+        let shown = model.fov_deg.round();
+        let mut fov = shown;
         let slider = Slider::new(&mut fov, 20.0..=110.0).suffix("°").fixed_decimals(0);
-        if ui.add(slider).labelled_by(label.id).changed() {
+        if ui.add(slider).labelled_by(label.id).changed() && fov != shown {
             out.push(Command::SetFov(fov));
         }
     });
