@@ -106,6 +106,9 @@ pub struct LineSampler {
 /// Intervals shorter than this in x carry nothing.
 const SHORTEST: f64 = 1e-13;
 
+/// An edge whose plane with the receiver leans from the axis by less than this goes through it.
+const ON_AXIS: f64 = 1e-12;
+
 impl LineSampler {
     /// Adds the form factors from `point` to every patch to `row`.
     ///
@@ -224,6 +227,11 @@ impl LineSampler {
             if first >= end {
                 continue;
             }
+            // An edge through the receiver's axis has no slope but rounding error: it is met there.
+            let (p_reach, q_reach) = (p.x.hypot(p.y), q.x.hypot(q.y));
+            let straddles = p.x * q.x + p.y * q.y < 0.0;
+            let on_axis = (straddles && m.z.abs() <= ON_AXIS * m.length())
+                .then(|| if p.z * q_reach + q.z * p_reach > 0.0 { -1.0 } else { 1.0 });
             let scale = -1.0 / m.z;
             let (slope_x, slope_y) = (m.x * scale, m.y * scale);
             // An edge that points along a half-plane has a slope of rounding errors alone: its
@@ -238,8 +246,8 @@ impl LineSampler {
                 if radial {
                     cot = cot.max(limits[0].min(limits[1])).min(limits[0].max(limits[1]));
                 }
-                // NaN, which only an edge through the receiver's axis gives, falls to the horizon.
-                let x = if cot > 0.0 { (1.0 - cot) / (1.0 + cot) } else { 1.0 };
+                // NaN falls to the horizon.
+                let x = on_axis.unwrap_or(if cot > 0.0 { (1.0 - cot) / (1.0 + cot) } else { 1.0 });
                 let count = self.counts[k];
                 if count == 0 {
                     self.touched.push(k as u32);
