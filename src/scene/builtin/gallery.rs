@@ -40,7 +40,7 @@ pub(crate) fn model() -> Model {
     let mut m = Model::new(("m", 1.0), 0.29);
     m.view("Nave", [0.35, 1.6, 6.1], [-0.1, 1.85, -2.0], 62.0);
     m.view("Colonnade", [-2.75, 1.6, 5.9], [-1.2, 1.35, -1.2], 62.0);
-    m.view("Torso", [1.25, 1.5, 1.6], [-0.25, 1.3, -1.4], 60.0);
+    m.view("Torso", [1.55, 1.5, 0.3], [-0.55, 1.35, -1.7], 60.0);
     m.view("Vault", [0.0, 1.5, 4.6], [0.0, 3.7, -2.5], 72.0);
     m.view("East aisle", [2.75, 1.6, -5.9], [2.5, 1.4, 0.5], 60.0);
 
@@ -89,7 +89,7 @@ fn shell(m: &mut Model) {
     let (near, far) = (DVec3::Z * LENGTH, -DVec3::Z * LENGTH);
     for k in 0..FACETS {
         let ((p, n), (q, o)) = (arc(k), arc(k + 1));
-        m.smooth_polygon(&[(p + near, n), (p + far, n), (q + far, o), (q + near, o)]);
+        m.smooth_polygon(&[(p + far, n), (p + near, n), (q + near, o), (q + far, o)]);
     }
 
     // The end walls follow the section: aisles, beams' ends, nave and lunette.
@@ -292,7 +292,7 @@ fn picture(m: &mut Model, width: f64, height: f64, kind: usize) {
 
 fn lamps(m: &mut Model) {
     // Coves on the nave side of the beams wash the vault from hidden strips.
-    let cove = m.lamp("Vault coves", Output::White(9000.0, 3800.0), true);
+    let cove = m.lamp("Vault coves", Output::White(9000.0, 4500.0), true);
     for side in [-1.0, 1.0] {
         let inner = side * (NAVE - 0.16);
         m.object("coves").paint(&STONE);
@@ -318,15 +318,15 @@ fn lamps(m: &mut Model) {
         });
     };
     let aisle = 0.5 * (NAVE + BEAM + HALL) + 0.12;
-    let west = m.lamp("West picture spots", Output::White(2600.0, 3600.0), true);
-    let east = m.lamp("East picture spots", Output::White(2600.0, 3600.0), true);
+    let west = m.lamp("West picture spots", Output::White(3000.0, 4500.0), true);
+    let east = m.lamp("East picture spots", Output::White(3000.0, 4500.0), true);
     for z in [-3.75, -1.25, 1.25, 3.75] {
         spot(m, west, -aisle, z, AISLE_CEILING);
         spot(m, east, aisle, z, AISLE_CEILING);
     }
 
     // Pendant discs under the vault, over the works.
-    let pendants = m.lamp("Nave pendants", Output::White(5200.0, 4200.0), true);
+    let pendants = m.lamp("Nave pendants", Output::White(5200.0, 5000.0), true);
     for z in [-4.2, -1.25, 1.6] {
         m.place([0.0, 2.95, z], 0.0, |m| {
             m.object("pendant_bodies").paint(&FRAME);

@@ -9,8 +9,8 @@ use crate::scene::builtin::writer::{Model, Output};
 use glam::{DVec3, dvec3};
 
 pub(crate) fn bathroom(m: &mut Model) {
-    let downlights = m.lamp("Bathroom downlights", Output::White(1000.0, 4000.0), true);
-    let tube = m.lamp("Bathroom mirror light", Output::White(700.0, 4500.0), true);
+    let downlights = m.lamp("Bathroom downlights", Output::White(1700.0, 5000.0), true);
+    let tube = m.lamp("Bathroom mirror light", Output::White(900.0, 6500.0), true);
     for [x, z] in [[7.9, 0.95], [7.9, 2.2]] {
         m.place([x, HEIGHT, z], 0.0, |m| downlight(m, downlights));
     }

@@ -17,7 +17,7 @@ use glam::{DVec3, dvec3};
 const ENAMEL: Paint = Paint::new("green_enamel", PINE_GREEN.reflectance);
 
 pub(crate) fn dining_room(m: &mut Model) {
-    let pendants = m.lamp("Dining pendants", Output::White(1900.0, 3000.0), true);
+    let pendants = m.lamp("Dining pendants", Output::White(2300.0, 3600.0), true);
     let (x, z) = (6.85, 6.3);
     for dz in [-0.65, 0.0, 0.65] {
         m.place([x, HEIGHT, z + dz], 0.0, |m| dome_pendant(m, pendants, 0.98, &ENAMEL));
@@ -65,8 +65,8 @@ const WEST: f64 = 8.6;
 const RUN_NORTH: f64 = 5.75;
 
 pub(crate) fn kitchen(m: &mut Model) {
-    let pendant = m.lamp("Kitchen pendant", Output::White(1500.0, 3600.0), true);
-    let under = m.lamp("Under-cabinet strip", Output::White(900.0, 4000.0), true);
+    let pendant = m.lamp("Kitchen pendant", Output::White(2200.0, 4500.0), true);
+    let under = m.lamp("Under-cabinet strip", Output::White(1300.0, 5000.0), true);
     m.place([9.75, HEIGHT, 6.2], 0.0, |m| globe_pendant(m, pendant, 0.6, 0.17));
 
     base_units(m);
@@ -90,11 +90,11 @@ pub(crate) fn kitchen(m: &mut Model) {
     for y in [1.35, 1.7] {
         m.object("kitchen_boards").paint(&OAK);
         m.block([8.9, y, 4.52], [10.3, y + 0.025, 4.7], Faces::ALL.without(Faces::BACK));
-        for k in 0..6 {
+        for k in 0..5 {
             let paint = [&CERAMIC, &BRASS, &POT, &STEEL, &CERAMIC, &RUST_GLAZE][(k + (y > 1.5) as usize) % 6];
             let (radius, height) = (0.045 + 0.008 * (k % 3) as f64, 0.12 + 0.03 * (k % 2) as f64);
             m.object("jars").paint(paint);
-            let at = dvec3(9.02 + 0.225 * k as f64, y + 0.025, 4.61);
+            let at = dvec3(9.02 + 0.28 * k as f64, y + 0.025, 4.61);
             m.lathe(
                 at,
                 &[(radius, 0.0), (radius, height), (0.6 * radius, height + 0.02), (0.0, height + 0.02)],

@@ -22,12 +22,12 @@ pub(crate) fn dome_pendant(m: &mut Model, lamp: LampId, drop: f64, shade: &Paint
     m.place([0.0, -drop, 0.0], 0.0, |m| {
         m.object("pendant_shades").paint(shade);
         let outer = [(0.19, 0.0), (0.17, 0.07), (0.12, 0.13), (0.05, 0.17), (0.03, 0.23), (0.0, 0.23)];
-        m.lathe(DVec3::ZERO, &outer, 14);
-        m.paint(&JOINERY).lathe(DVec3::ZERO, &[(0.15, 0.05), (0.185, 0.0)], 14);
-        m.lathe(DVec3::ZERO, &[(0.185, 0.0), (0.19, 0.0)], 14);
+        m.lathe(DVec3::ZERO, &outer, 12);
+        m.paint(&JOINERY).lathe(DVec3::ZERO, &[(0.15, 0.05), (0.185, 0.0)], 12);
+        m.lathe(DVec3::ZERO, &[(0.185, 0.0), (0.19, 0.0)], 12);
         m.object("pendant_cords").paint(&BLACK);
         m.bar(dvec3(0.0, 0.23, 0.0), dvec3(0.0, drop, 0.0), 0.012);
-        m.glow(lamp, 1.0, OPAL).disc(dvec3(0.0, 0.05, 0.0), 0.15, 14, false);
+        m.glow(lamp, 1.0, OPAL).disc(dvec3(0.0, 0.05, 0.0), 0.15, 12, false);
     });
 }
 

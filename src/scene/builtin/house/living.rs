@@ -12,9 +12,9 @@ use crate::scene::builtin::writer::{Model, Output};
 use glam::{DVec3, dvec3};
 
 pub(crate) fn living_room(m: &mut Model) {
-    let floor_light = m.lamp("Living room floor lamp", Output::White(1300.0, 3000.0), true);
-    let screen = m.lamp("Television", Output::White(380.0, 6500.0), true);
-    let halo = m.lamp("Television accent strip", Output::Coloured(330.0, [0.42, 0.16, 1.0]), true);
+    let floor_light = m.lamp("Living room floor lamp", Output::White(1900.0, 3800.0), true);
+    let screen = m.lamp("Television", Output::Coloured(150.0, [0.35, 0.58, 1.0]), true);
+    let halo = m.lamp("Television accent strip", Output::Coloured(420.0, [0.42, 0.16, 1.0]), true);
 
     m.place([2.45, PIT, 6.45], 0.0, |m| rug(m, [3.0, 2.1], 0.12, &CREAM, &CHARCOAL));
     m.place([2.5, PIT, SOUTH - 0.24], 180.0, |m| {
@@ -38,11 +38,11 @@ pub(crate) fn living_room(m: &mut Model) {
         m.place([0.78, 0.42, 0.2], 0.0, |m| vase(m, &RUST, 0.9));
     });
     m.place([0.0, 0.68, 6.6], 90.0, |m| television(m, screen, halo, [1.5, 0.86]));
-    m.place([4.4, 0.0, SOUTH], 180.0, |m| curtains(m, 3.6, PIT + 0.03, 2.36, 0.5));
+    m.place([4.4, 0.0, SOUTH], 180.0, |m| curtains(m, 3.6, PIT + 0.03, 2.36, 0.75));
 }
 
 pub(crate) fn gallery(m: &mut Model) {
-    let lights = m.lamp("Gallery downlights", Output::White(1500.0, 3400.0), true);
+    let lights = m.lamp("Gallery downlights", Output::White(2500.0, 4500.0), true);
     for x in [1.2, 3.3, 5.4, 7.5] {
         m.place([x, HEIGHT, 3.86], 0.0, |m| downlight(m, lights));
     }

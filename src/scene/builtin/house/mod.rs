@@ -1,4 +1,4 @@
-//! An evening in a small house: seven rooms around a sunken living room, fifteen lamps.
+//! An evening in a small house: seven rooms around a sunken living room, and a terrace.
 //!
 //! Plan, x to the east, z to the south, metres; the living room lies 0.36 lower than the rest.
 //!
@@ -27,6 +27,7 @@ mod living;
 mod palette;
 mod shell;
 mod study;
+mod terrace;
 mod textiles;
 
 use super::writer::Model;
@@ -47,11 +48,13 @@ const STEPS: [f64; 2] = [5.3, 6.9];
 const TREAD: f64 = 0.32;
 /// South face of the outer wall's inside, metres.
 const SOUTH: f64 = 8.4;
+/// Thickness of the outer walls, metres.
+const OUTER: f64 = 0.3;
 
 pub(crate) fn model() -> Model {
     let mut m = Model::new(("m", 1.0), 0.18);
     views(&mut m);
-    shell(&mut m);
+    let south = shell(&mut m);
     living::living_room(&mut m);
     living::gallery(&mut m);
     kitchen::dining_room(&mut m);
@@ -60,22 +63,26 @@ pub(crate) fn model() -> Model {
     bedroom::bedroom(&mut m);
     study::study(&mut m);
     bath::bathroom(&mut m);
+    terrace::terrace(&mut m, &south);
     m
 }
 
 fn views(m: &mut Model) {
     m.view("Living room", [5.0, 1.5, 3.75], [1.9, 0.05, 7.6], 62.0);
-    m.view("Gallery", [9.0, 1.6, 3.7], [1.5, 0.75, 5.0], 62.0);
-    m.view("Entrance", [10.9, 1.6, 0.45], [9.3, 1.05, 4.4], 66.0);
+    m.view("Gallery", [8.35, 1.6, 4.05], [1.5, 0.75, 5.0], 62.0);
+    m.view("Entrance", [9.85, 1.6, 0.25], [10.5, 1.0, 3.6], 70.0);
     m.view("Dining table", [5.35, 1.55, 3.6], [7.3, 0.75, 7.0], 62.0);
-    m.view("Kitchen", [8.75, 1.6, 4.8], [11.0, 0.95, 7.4], 66.0);
+    m.view("Kitchen", [8.3, 1.6, 5.55], [11.3, 1.05, 7.05], 62.0);
     m.view("Bedroom", [3.98, 1.55, 3.08], [6.3, 0.65, 1.1], 64.0);
-    m.view("Bathroom", [7.72, 1.6, 3.08], [8.3, 0.8, 0.5], 68.0);
+    m.view("Bathroom", [7.7, 1.6, 3.08], [8.3, 0.85, 0.5], 72.0);
     m.view("Study", [2.4, 1.6, 3.08], [0.9, 0.8, 0.5], 66.0);
-    m.view("Across the house", [0.45, 1.5, 7.9], [7.2, 0.75, 4.9], 64.0);
+    m.view("Across the house", [0.42, 1.45, 7.2], [7.0, 0.6, 5.0], 60.0);
+    m.view("Terrace", [7.9, 1.6, 10.6], [3.2, 1.0, 7.4], 64.0);
 }
 
-fn shell(m: &mut Model) {
+/// Builds rooms, openings and levels; returns the windows of the south wall between the terrace's ends
+/// as x from, x to, sill and head.
+fn shell(m: &mut Model) -> Vec<[f64; 4]> {
     let inner = |across, along, through, head, floor| Opening::door(across, along, through, head, floor);
     let doors = [
         inner(Across::Z, [2.1, 2.9], [3.2, 3.32], 2.05, &OAK_FLOOR),
@@ -85,13 +92,13 @@ fn shell(m: &mut Model) {
         inner(Across::X, [5.2, 7.4], [8.48, 8.6], 2.25, &STONE_FLOOR),
     ];
     let windows = [
-        (Opening::window(Across::Z, [0.8, 4.4], SOUTH, SOUTH + 0.3, [0.05, 2.25]), 4, None),
-        (Opening::window(Across::Z, [5.9, 7.7], SOUTH, SOUTH + 0.3, [0.05, 2.25]), 2, Some(1.75)),
-        (Opening::window(Across::Z, [9.3, 10.9], SOUTH, SOUTH + 0.3, [1.2, 2.1]), 2, None),
-        (Opening::window(Across::Z, [4.2, 6.0], 0.0, -0.3, [0.9, 2.2]), 3, None),
-        (Opening::window(Across::X, [0.7, 2.1], 0.0, -0.3, [0.95, 2.2]), 2, Some(1.8)),
-        (Opening::window(Across::Z, [7.6, 8.4], 0.0, -0.3, [1.45, 2.1]), 1, None),
-        (Opening::window(Across::Z, [11.0, 11.3], 0.0, -0.3, [0.3, 2.05]), 1, None),
+        (Opening::window(Across::Z, [0.8, 4.4], SOUTH, SOUTH + OUTER, [0.05, 2.25]), 4, None),
+        (Opening::window(Across::Z, [5.9, 7.7], SOUTH, SOUTH + OUTER, [0.05, 2.25]), 2, Some(1.75)),
+        (Opening::window(Across::Z, [9.3, 10.9], SOUTH, SOUTH + OUTER, [1.2, 2.1]), 2, None),
+        (Opening::window(Across::Z, [4.2, 6.0], 0.0, -OUTER, [0.9, 2.2]), 3, None),
+        (Opening::window(Across::X, [0.7, 2.1], 0.0, -OUTER, [0.95, 2.2]), 2, Some(1.8)),
+        (Opening::window(Across::Z, [7.6, 8.4], 0.0, -OUTER, [1.45, 2.1]), 1, None),
+        (Opening::window(Across::Z, [11.0, 11.3], 0.0, -OUTER, [0.3, 2.05]), 1, None),
     ];
     // The gallery runs on to the entrance: no wall there.
     let join = inner(Across::X, [3.32, 4.4], [8.48, 8.48], HEIGHT, &OAK_FLOOR);
@@ -156,6 +163,8 @@ fn shell(m: &mut Model) {
     }
     levels(m);
     leaves(m);
+    let south = windows.iter().map(|w| w.0).filter(|w| w.through[0] == SOUTH && w.along[1] < 8.6);
+    south.map(|w| [w.along[0], w.along[1], w.height[0], w.height[1]]).collect()
 }
 
 /// The two floor levels of the living space, the walls' feet in the pit, risers and steps.

@@ -12,8 +12,8 @@ use crate::scene::builtin::writer::{Model, Output};
 use glam::dvec3;
 
 pub(crate) fn study(m: &mut Model) {
-    let desk = m.lamp("Desk lamp", Output::White(520.0, 4000.0), true);
-    let pendant = m.lamp("Study pendant", Output::White(1100.0, 3200.0), true);
+    let desk = m.lamp("Desk lamp", Output::White(650.0, 5500.0), true);
+    let pendant = m.lamp("Study pendant", Output::White(1700.0, 3900.0), true);
     m.place([1.55, HEIGHT, 1.6], 0.0, |m| dome_pendant(m, pendant, 0.7, &BRASS));
 
     // The desk stands under the west window.
