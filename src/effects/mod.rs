@@ -1,8 +1,14 @@
 //! What this scene calls for: each effect on or off, with its reason, evidence and cost.
 //!
-//! Adding an effect is one file with a `decide` function and one entry in [`Effect`].
+//! Adding an effect is one file with a `find` function and one entry in [`Effect`].
 
-use crate::mesh::PatchMesh;
+mod colour_bands;
+mod smooth_surfaces;
+mod textures;
+mod two_sided;
+mod visibility;
+
+use crate::mesh::{Backs, PatchMesh};
 use crate::scene::Scene;
 use std::time::Duration;
 
@@ -94,6 +100,67 @@ impl EffectPlan {
 }
 
 /// Decides every effect for a meshed scene.
-pub fn plan(_scene: &Scene, _mesh: &PatchMesh, _choices: &EffectChoices) -> EffectPlan {
-    EffectPlan::default()
+pub fn plan(scene: &Scene, mesh: &PatchMesh, choices: &EffectChoices) -> EffectPlan {
+    let decisions = Effect::ALL
+        .iter()
+        .map(|&effect| {
+            let finding = match effect {
+                Effect::Visibility => visibility::find(mesh),
+                Effect::ColourBands => colour_bands::find(mesh),
+                Effect::TwoSided => two_sided::find(mesh),
+                Effect::Textures => textures::find(scene, mesh),
+                Effect::SmoothSurfaces => smooth_surfaces::find(mesh),
+            };
+            finding.decide(effect, choices)
+        })
+        .collect();
+    EffectPlan { decisions }
+}
+
+/// Which backs the mesher gives patches under these choices.
+pub fn backs(choices: &EffectChoices) -> Backs {
+    if choices.without.contains(&Effect::TwoSided) {
+        Backs::None
+    } else if choices.with.contains(&Effect::TwoSided) {
+        Backs::All
+    } else {
+        Backs::Reached
+    }
+}
+
+/// What an effect's own file finds in a scene.
+struct Finding {
+    called_for: bool,
+    reason: String,
+    evidence: String,
+    predicted_cost: String,
+}
+
+impl Finding {
+    fn decide(self, effect: Effect, choices: &EffectChoices) -> Decision {
+        let (state, reason) = if choices.without.contains(&effect) {
+            let consequence =
+                if self.called_for { "although the scene calls for it" } else { "as it would be anyway" };
+            (EffectState::OffByChoice, format!("switched off by choice, {consequence}: {}", self.reason))
+        } else if choices.with.contains(&effect) {
+            let consequence = if self.called_for {
+                "as it would be anyway"
+            } else {
+                "although the scene does not call for it"
+            };
+            (EffectState::OnByChoice, format!("switched on by choice, {consequence}: {}", self.reason))
+        } else if self.called_for {
+            (EffectState::On, self.reason)
+        } else {
+            (EffectState::NotCalledFor, self.reason)
+        };
+        Decision {
+            effect,
+            state,
+            reason,
+            evidence: self.evidence,
+            predicted_cost: self.predicted_cost,
+            measured: None,
+        }
+    }
 }

@@ -1,4 +1,26 @@
 //! Rows of form factors: which fraction of the power that leaves patch i arrives at patch j.
+//!
+//! A row is gathered at a patch's centre by one of three methods (`lines`, `hemicube`, `rays`).
+//! [`FormFactors::assemble`] then makes the rows reciprocal, replaces what one centre point gets
+//! wrong about close neighbours by closed forms, and closes the power balance.
+
+pub mod closed_form;
+mod hemicube;
+mod lines;
+mod matrix;
+mod near;
+mod occluders;
+mod rays;
+mod row;
+mod rows;
+
+pub use hemicube::{Hemicube, HemicubeSampler};
+pub use lines::{Fan, LineSampler};
+pub use matrix::{AssembleReport, FormFactors};
+pub use occluders::Occluders;
+pub use rays::RayScene;
+pub use row::{Row, RowBuffer};
+pub use rows::{RowComputer, RowScratch};
 
 /// How a row is computed.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]

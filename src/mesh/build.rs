@@ -1,4 +1,7 @@
-use super::PatchMesh;
+use super::pieces::{self, Cut, Grid};
+use super::regions::{self, Outline};
+use super::types::{MeshStatistics, NO_PATCH, Patch, PatchMesh, Side};
+use super::{patches, reach};
 use crate::scene::Scene;
 
 /// How finely surfaces are split.
@@ -16,10 +19,32 @@ pub enum PatchTarget {
 }
 
 /// Everything that the mesh depends on besides the scene.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MeshSettings {
     /// How finely surfaces are split.
     pub target: PatchTarget,
+    /// Which backs take part.
+    pub backs: Backs,
+    /// Whether reflectances follow textures (see [`crate::effects::Effect::Textures`]).
+    pub textures: bool,
+}
+
+/// Which backs of surfaces take part.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Backs {
+    /// Those that light can reach.
+    #[default]
+    Reached,
+    /// None but those that emit: every surface is lit on its front, and only there.
+    None,
+    /// All.
+    All,
+}
+
+impl Default for MeshSettings {
+    fn default() -> Self {
+        Self { target: PatchTarget::Auto, backs: Backs::Reached, textures: true }
+    }
 }
 
 /// Why a scene cannot be cut into patches.
@@ -28,9 +53,150 @@ pub enum MeshError {
     /// No surface has any area.
     #[error("the scene holds no surface with an area, so there is nothing to light")]
     Empty,
+    /// The patch size is not a positive number.
+    #[error("the patch size must be above zero, not {0}: give it in the units of the scene")]
+    Size(f64),
+    /// More patches than the indices and the memory of a desktop machine can hold.
+    #[error(
+        "a patch size of {size} m gives about {patches} patches, more than {limit}: choose a larger size"
+    )]
+    TooMany {
+        /// The edge asked for, metres.
+        size: f64,
+        /// The estimate.
+        patches: usize,
+        /// The most that is meshed.
+        limit: usize,
+    },
 }
 
+/// The most patches that [`build`] makes.
+const PATCH_LIMIT: usize = 2_000_000;
+
 /// Splits the surfaces of a scene into patches.
-pub fn build(_scene: &Scene, _settings: &MeshSettings) -> Result<PatchMesh, MeshError> {
-    Err(MeshError::Empty)
+pub fn build(scene: &Scene, settings: &MeshSettings) -> Result<PatchMesh, MeshError> {
+    // 1. Join coplanar neighbours, and find the sides that light can reach.
+    let size = scene.bounds().diagonal();
+    let as_given = settings.target == PatchTarget::AsGiven;
+    let (outlines, dropped) = regions::join(scene, size, as_given);
+    if outlines.is_empty() {
+        return Err(MeshError::Empty);
+    }
+    let emits_back = |o: &Outline| o.luminaire.is_some() && o.emits_back;
+    let sides = match settings.backs {
+        Backs::Reached => reach::sides(scene, &outlines, size),
+        Backs::None => outlines.iter().map(|o| [true, emits_back(o)]).collect(),
+        Backs::All => vec![[true, true]; outlines.len()],
+    };
+
+    // 2. Choose the patch size and cut.
+    let patch_size = patch_size(scene, settings.target, &outlines, &sides)?;
+    let mut mesh = PatchMesh { size, ..PatchMesh::default() };
+    let contacts = if as_given { Vec::new() } else { pieces::contacts(&outlines, patch_size, size) };
+    for (index, outline) in outlines.iter().enumerate() {
+        let groups = if as_given {
+            pieces::append_as_given(&mut mesh, outline);
+            let region = &mesh.regions[index];
+            patches::group_by_surface(&mesh, region.pieces.clone())
+        } else {
+            let grid = Grid::new(outline, patch_size);
+            let cuts: Vec<Cut> = pieces::cut(outline, &grid, &contacts[index]);
+            pieces::append(&mut mesh, outline, &grid, &cuts);
+            patches::group_by_cell(&mesh, mesh.regions[index].pieces.clone(), &grid, &cuts, &contacts[index])
+        };
+        // 3. One patch a group and lit side.
+        for side in [Side::Front, Side::Back] {
+            if sides[index][side as usize] {
+                for group in &groups {
+                    patches::append(&mut mesh, scene, outline, side, group, settings.textures);
+                }
+            }
+        }
+    }
+    if mesh.patches.is_empty() {
+        return Err(MeshError::Empty);
+    }
+    mesh.statistics = statistics(&mesh, scene, &sides, dropped, patch_size);
+    Ok(mesh)
+}
+
+/// About how many patches of edge `size` the lit sides give.
+fn estimate(outlines: &[Outline], sides: &[[bool; 2]], size: f64) -> f64 {
+    outlines
+        .iter()
+        .zip(sides)
+        .map(|(outline, sides)| {
+            let extent = outline.max - outline.min;
+            let cells = (extent.x / size).ceil().max(1.0) * (extent.y / size).ceil().max(1.0);
+            let filled = (outline.area / (extent.x * extent.y).max(f64::MIN_POSITIVE)).min(1.0);
+            (cells * filled).max(1.0) * f64::from(u8::from(sides[0]) + u8::from(sides[1]))
+        })
+        .sum()
+}
+
+fn patch_size(
+    scene: &Scene,
+    target: PatchTarget,
+    outlines: &[Outline],
+    sides: &[[bool; 2]],
+) -> Result<f64, MeshError> {
+    let for_count = |count: f64| {
+        let (mut low, mut high) = (1e-6_f64, 10.0);
+        let longest = outlines.iter().map(|o| (o.max - o.min).max_element()).fold(0.0, f64::max);
+        for _ in 0..60 {
+            let middle = (low * high).sqrt();
+            if estimate(outlines, sides, middle * longest) > count {
+                low = middle;
+            } else {
+                high = middle;
+            }
+        }
+        high * longest
+    };
+    let size = match target {
+        PatchTarget::Size(size) if !(size > 0.0 && size.is_finite()) => return Err(MeshError::Size(size)),
+        PatchTarget::Size(size) => size,
+        PatchTarget::Count(count) => for_count(count.max(1) as f64),
+        PatchTarget::AsGiven => f64::INFINITY,
+        PatchTarget::Auto => scene.patch_size.unwrap_or_else(|| for_count(3000.0)),
+    };
+    let patches = estimate(outlines, sides, size.max(f64::MIN_POSITIVE));
+    if patches > PATCH_LIMIT as f64 {
+        return Err(MeshError::TooMany { size, patches: patches as usize, limit: PATCH_LIMIT });
+    }
+    Ok(size)
+}
+
+fn statistics(
+    mesh: &PatchMesh,
+    scene: &Scene,
+    sides: &[[bool; 2]],
+    dropped: usize,
+    patch_size: f64,
+) -> MeshStatistics {
+    let mut aspects: Vec<f64> = mesh.patches.iter().map(|p| patches::aspect(mesh, p)).collect();
+    aspects.sort_by(f64::total_cmp);
+    let areas = mesh.patches.iter().map(|p: &Patch| p.area);
+    MeshStatistics {
+        patches: mesh.patches.len(),
+        emitters: mesh.patches.iter().filter(|p| p.luminaire.is_some()).count(),
+        regions: mesh.regions.len(),
+        surfaces: scene.surfaces.len(),
+        dark_sides: sides.iter().flatten().filter(|&&s| !s).count(),
+        dropped,
+        area: areas.clone().sum(),
+        smallest_area: areas.clone().fold(f64::INFINITY, f64::min),
+        largest_area: areas.fold(0.0, f64::max),
+        median_aspect: aspects.get(aspects.len() / 2).copied().unwrap_or(1.0),
+        worst_aspect: aspects.last().copied().unwrap_or(1.0),
+        patch_size,
+    }
+}
+
+impl PatchMesh {
+    /// The patch on `side` of a piece.
+    pub fn patch_on(&self, piece: u32, side: Side) -> Option<u32> {
+        let patch = self.pieces[piece as usize].patches[side as usize];
+        (patch != NO_PATCH).then_some(patch)
+    }
 }

@@ -5,7 +5,12 @@
 //! [`Piece`] or several, and pieces are grouped into [`Patch`]es, at most one a side.
 
 mod build;
+mod patches;
+mod pieces;
+mod reach;
+mod regions;
 mod types;
 
-pub use build::{MeshError, MeshSettings, PatchTarget, build};
+pub use build::{Backs, MeshError, MeshSettings, PatchTarget, build};
+pub(crate) use reach::cosine_direction;
 pub use types::{MeshStatistics, NO_PATCH, Patch, PatchMesh, Piece, PieceCorner, Region, Side};

@@ -106,6 +106,9 @@ pub struct Patch {
     pub area: f64,
     /// Reflectance per band, averaged over the patch where textured; 0 to `MAX_REFLECTANCE`.
     pub reflectance: [f64; 3],
+    /// Mean of the texture over the patch per band, 0 to 1; 1 without a texture. The material's
+    /// reflectance is a factor to it.
+    pub texture_average: [f64; 3],
     /// Exitance per band relative to that of its luminaire; zero where it does not emit.
     pub emission_weight: [f64; 3],
     /// Radius of the smallest sphere around `centre` that holds the patch, metres.

@@ -4,8 +4,29 @@
 //! sidecar, or from an embedded scene by name.
 
 pub mod builtin;
+mod colour;
+mod doctor;
+mod error;
+mod import;
+mod luminaires;
+mod mtl;
+mod names;
+mod obj;
+mod repair;
+mod sidecar;
+mod sidecar_write;
+mod summary;
+mod textures;
 mod types;
+mod views;
 
+pub use colour::black_body;
+pub use doctor::check;
+pub use error::SceneError;
+pub use import::{from_text, load, sidecar_path};
+pub use luminaires::lumens;
+pub use sidecar_write::{sidecar_text, write_sidecar};
+pub use summary::{LuminaireSummary, MaterialSummary, Summary};
 pub use types::{
     Corner, Finding, LampState, LengthUnit, Lighting, Luminaire, Material, Scene, SceneSource, Severity,
     Sides, Surface, Texture, UpAxis, View,

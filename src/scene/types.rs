@@ -182,6 +182,26 @@ pub struct Texture {
     pub pixels: Vec<[f32; 3]>,
 }
 
+impl Texture {
+    /// Linear R, G, B at texture coordinates, repeated beyond 0..1, bilinear between pixel centres.
+    pub fn sample(&self, uv: DVec2) -> [f32; 3] {
+        if self.pixels.is_empty() {
+            return [1.0; 3];
+        }
+        let (w, h) = (i64::from(self.width), i64::from(self.height));
+        let x = uv.x.rem_euclid(1.0) * self.width as f64 - 0.5;
+        let y = (1.0 - uv.y.rem_euclid(1.0)) * self.height as f64 - 0.5;
+        let (i, j) = (x.floor(), y.floor());
+        let (s, t) = ((x - i) as f32, (y - j) as f32);
+        let at = |di: i64, dj: i64| {
+            let (col, row) = ((i as i64 + di).rem_euclid(w), (j as i64 + dj).rem_euclid(h));
+            self.pixels[(row * w + col) as usize]
+        };
+        let (a, b, c, d) = (at(0, 0), at(1, 0), at(0, 1), at(1, 1));
+        std::array::from_fn(|k| (a[k] * (1.0 - s) + b[k] * s) * (1.0 - t) + (c[k] * (1.0 - s) + d[k] * s) * t)
+    }
+}
+
 /// A lamp that a person recognises and switches as one.
 #[derive(Clone, Debug)]
 pub struct Luminaire {

@@ -1,7 +1,11 @@
 //! The background worker: requests in, immutable snapshots out. Knows neither GPU nor window.
 
 mod pipeline;
+mod recompute;
 mod worker;
 
-pub use pipeline::{Control, PipelineError, Progress, SolveSettings, Solved, Stage, Timings, solve};
+pub use pipeline::{
+    Control, PipelineError, Prepared, Progress, Run, SolveSettings, Solved, Stage, Timings,
+    patch_reflectance, prepare, solve, system,
+};
 pub use worker::{MaterialEdit, Session, Snapshot};

@@ -1,9 +1,18 @@
-use super::pipeline::{SolveSettings, Stage, Timings};
+use super::pipeline::{
+    Control, PipelineError, Prepared, Progress, Run, SolveSettings, Solved, Stage, Timings,
+    patch_reflectance, prepare, system,
+};
+use super::recompute::{Recompute, same_geometry};
 use crate::effects::EffectPlan;
+use crate::form_factors::{AssembleReport, FormFactors, RowComputer};
 use crate::mesh::PatchMesh;
-use crate::scene::{Scene, SceneSource};
+use crate::scene::{self, Scene, SceneSource};
 use crate::solver::{LightBases, SweepReport};
-use std::sync::Arc;
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
+use std::thread::JoinHandle;
+use std::time::Instant;
 
 /// A changed reflectance, by index into the scene's materials.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -37,6 +46,12 @@ pub struct Snapshot {
     pub mesh: Option<Arc<PatchMesh>>,
     /// What is simulated.
     pub plan: Option<Arc<EffectPlan>>,
+    /// Computes rows, for a look at one.
+    pub computer: Option<Arc<RowComputer>>,
+    /// All form factors, once they are there.
+    pub form_factors: Option<Arc<FormFactors>>,
+    /// How the form factors were made reciprocal and closed.
+    pub assembled: Option<AssembleReport>,
     /// The present picture, a luminaire each.
     pub bases: Option<Arc<LightBases>>,
     /// Reflectance of every patch as solved for.
@@ -45,7 +60,7 @@ pub struct Snapshot {
     pub sweeps: Arc<Vec<SweepReport>>,
     /// Seconds by stage.
     pub timings: Timings,
-    /// What the last request recomputed: "plaster 0.8: 0 rows, 3 sweeps, 40 ms".
+    /// What the last request recomputed: "materials: 0 rows, 3 sweeps, 40 ms".
     pub last_change: String,
     /// Why the last request failed, in one sentence; `None` once a request succeeds.
     pub error: Option<String>,
@@ -53,35 +68,381 @@ pub struct Snapshot {
     pub settings: SolveSettings,
 }
 
+impl Snapshot {
+    /// The finished solve, once it has converged.
+    pub fn solved(&self) -> Option<Solved> {
+        (self.stage == Stage::Converged).then_some(())?;
+        Some(Solved {
+            scene: self.scene.clone()?,
+            mesh: self.mesh.clone()?,
+            plan: self.plan.clone()?,
+            computer: self.computer.clone()?,
+            form_factors: self.form_factors.clone()?,
+            assembled: self.assembled?,
+            bases: self.bases.clone()?,
+            reflectance: self.reflectance.clone(),
+            sweeps: self.sweeps.to_vec(),
+            timings: self.timings,
+        })
+    }
+}
+
+/// All that the user has asked for; the newest state wins.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(super) struct Wanted {
+    pub(super) source: Option<SceneSource>,
+    /// Counts the requests to open, so that the same file can be read again.
+    pub(super) opened: u64,
+    pub(super) settings: SolveSettings,
+    pub(super) edits: Vec<MaterialEdit>,
+    /// Counts all requests.
+    pub(super) generation: u64,
+}
+
+struct Shared {
+    wanted: Mutex<Wanted>,
+    news_for_worker: Condvar,
+    /// Set with every request: ends what runs.
+    cancel: AtomicBool,
+    paused: AtomicBool,
+    /// The user ended the solve; cleared by the next request.
+    stopped: AtomicBool,
+    quit: AtomicBool,
+    latest: Mutex<Arc<Snapshot>>,
+}
+
+/// Neither lock is held while anything can panic, so a poisoned one still holds a whole value.
+fn locked<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+    mutex.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
 /// A handle to the worker thread. Dropping it stops and joins the thread.
-pub struct Session {}
+pub struct Session {
+    shared: Arc<Shared>,
+    thread: Option<JoinHandle<()>>,
+}
 
 impl Session {
     /// Starts the thread. `on_news` is called from it after each published snapshot.
-    pub fn spawn(_on_news: impl Fn() + Send + Sync + 'static) -> std::io::Result<Self> {
-        Ok(Self {})
+    pub fn spawn(on_news: impl Fn() + Send + Sync + 'static) -> std::io::Result<Self> {
+        let shared = Arc::new(Shared {
+            wanted: Mutex::default(),
+            news_for_worker: Condvar::new(),
+            cancel: AtomicBool::new(false),
+            paused: AtomicBool::new(false),
+            stopped: AtomicBool::new(false),
+            quit: AtomicBool::new(false),
+            latest: Mutex::default(),
+        });
+        let thread = std::thread::Builder::new().name("radiosity worker".to_owned()).spawn({
+            let shared = shared.clone();
+            move || {
+                Worker { shared, on_news: &on_news, snapshot: Snapshot::default(), state: State::default() }
+                    .run()
+            }
+        })?;
+        Ok(Self { shared, thread: Some(thread) })
     }
 
     /// The newest snapshot: one short lock and one clone of an `Arc`.
     pub fn latest(&self) -> Arc<Snapshot> {
-        Arc::default()
+        locked(&self.shared.latest).clone()
     }
 
     /// Opens a scene and solves it; replaces whatever runs. The present scene stays if it fails.
-    pub fn open(&self, _source: SceneSource) {}
+    pub fn open(&self, source: SceneSource) {
+        self.request(|wanted| {
+            wanted.source = Some(source);
+            wanted.opened += 1;
+            wanted.edits.clear();
+        });
+    }
 
     /// Solves the present scene again with these settings, reusing what they leave unchanged.
-    pub fn set_settings(&self, _settings: SolveSettings) {}
+    pub fn set_settings(&self, settings: SolveSettings) {
+        self.request(|wanted| wanted.settings = settings);
+    }
 
     /// Solves again over the stored rows with these reflectances (all edits since opening).
-    pub fn set_materials(&self, _edits: Vec<MaterialEdit>) {}
+    pub fn set_materials(&self, edits: Vec<MaterialEdit>) {
+        self.request(|wanted| wanted.edits = edits);
+    }
 
     /// Lets the solve rest where it is.
-    pub fn pause(&self) {}
+    pub fn pause(&self) {
+        self.shared.paused.store(true, Ordering::Release);
+        self.wake();
+    }
 
-    /// Goes on from there.
-    pub fn resume(&self) {}
+    /// Goes on from there; after [`Self::stop`] it starts again.
+    pub fn resume(&self) {
+        self.shared.paused.store(false, Ordering::Release);
+        if self.shared.stopped.load(Ordering::Acquire) {
+            self.request(|_| {});
+        } else {
+            self.wake();
+        }
+    }
 
     /// Ends the solve; the picture so far stays.
-    pub fn stop(&self) {}
+    pub fn stop(&self) {
+        self.shared.stopped.store(true, Ordering::Release);
+        self.shared.cancel.store(true, Ordering::Release);
+        self.wake();
+    }
+
+    fn request(&self, change: impl FnOnce(&mut Wanted)) {
+        let mut wanted = locked(&self.shared.wanted);
+        change(&mut wanted);
+        wanted.generation += 1;
+        self.shared.stopped.store(false, Ordering::Release);
+        self.shared.cancel.store(true, Ordering::Release);
+        self.shared.news_for_worker.notify_all();
+    }
+
+    fn wake(&self) {
+        let _held = locked(&self.shared.wanted);
+        self.shared.news_for_worker.notify_all();
+    }
+}
+
+impl Drop for Session {
+    fn drop(&mut self) {
+        self.shared.quit.store(true, Ordering::Release);
+        self.shared.cancel.store(true, Ordering::Release);
+        self.wake();
+        if let Some(thread) = self.thread.take() {
+            thread.join().ok();
+        }
+    }
+}
+
+/// What the worker has done so far, with what it was asked for at the time.
+#[derive(Default)]
+pub(super) struct State {
+    pub(super) done: Wanted,
+    pub(super) scene: Option<Arc<Scene>>,
+    pub(super) prepared: Option<Prepared>,
+    pub(super) form_factors: Option<Arc<FormFactors>>,
+    pub(super) bases: Option<Arc<LightBases>>,
+}
+
+struct Worker<'a> {
+    shared: Arc<Shared>,
+    on_news: &'a (dyn Fn() + Send + Sync),
+    snapshot: Snapshot,
+    state: State,
+}
+
+impl Worker<'_> {
+    fn run(mut self) {
+        let mut answered = 0;
+        loop {
+            let wanted = {
+                let mut wanted = locked(&self.shared.wanted);
+                while wanted.generation == answered && !self.shared.quit.load(Ordering::Acquire) {
+                    wanted = self.shared.news_for_worker.wait(wanted).unwrap_or_else(PoisonError::into_inner);
+                }
+                self.shared.cancel.store(false, Ordering::Release);
+                wanted.clone()
+            };
+            if self.shared.quit.load(Ordering::Acquire) {
+                return;
+            }
+            answered = wanted.generation;
+            let clock = Instant::now();
+            let outcome = catch_unwind(AssertUnwindSafe(|| self.answer(&wanted)));
+            match outcome {
+                Ok(Ok(done)) => {
+                    self.snapshot.last_change = done.sentence(&wanted, clock.elapsed().as_secs_f64());
+                    self.snapshot.error = None;
+                    self.publish(Stage::Converged);
+                }
+                Ok(Err(Failure::Cancelled)) => {
+                    if self.shared.stopped.load(Ordering::Acquire) {
+                        self.publish(Stage::Stopped);
+                    }
+                }
+                Ok(Err(Failure::Said(message))) => {
+                    self.snapshot.error = Some(message);
+                    self.publish(Stage::Failed);
+                }
+                Err(panic) => {
+                    let text = panic
+                        .downcast_ref::<String>()
+                        .map(String::as_str)
+                        .or_else(|| panic.downcast_ref::<&str>().copied())
+                        .unwrap_or("no reason given");
+                    self.snapshot.error = Some(format!(
+                        "the solver stopped by an error of its own ({text}); reopen the scene to go on"
+                    ));
+                    self.state = State::default();
+                    self.publish(Stage::Failed);
+                }
+            }
+        }
+    }
+
+    /// Recomputes what the difference between the state and the wish calls for, and nothing else.
+    fn answer(&mut self, wanted: &Wanted) -> Result<Recompute, Failure> {
+        let mut todo = Recompute::between(&self.state, wanted);
+        if todo.scene {
+            let source = wanted.source.as_ref().ok_or(Failure::Cancelled)?;
+            self.publish(Stage::Loading);
+            let clock = Instant::now();
+            let scene = match scene::load(source) {
+                Ok(scene) => Arc::new(scene),
+                Err(error) => {
+                    // The present scene stays; the request counts as answered.
+                    self.state.done.opened = wanted.opened;
+                    self.state.done.source.clone_from(&wanted.source);
+                    return Err(Failure::Said(error.to_string()));
+                }
+            };
+            self.snapshot.timings = Timings { load: clock.elapsed().as_secs_f64(), ..Timings::default() };
+            self.check_cancel()?;
+            self.prepare(scene, wanted, &mut todo)?;
+        } else if todo.mesh {
+            let scene = self.state.scene.clone().ok_or(Failure::Cancelled)?;
+            self.prepare(scene, wanted, &mut todo)?;
+        }
+        self.state.done.source.clone_from(&wanted.source);
+        self.state.done.opened = wanted.opened;
+        self.state.done.settings = wanted.settings.clone();
+        let prepared = self.state.prepared.clone().ok_or(Failure::Cancelled)?;
+
+        let edit_of =
+            |material: u32| wanted.edits.iter().rev().find(|e| e.material == material).map(|e| e.reflectance);
+        let reflectance = patch_reflectance(&prepared.mesh, &edit_of);
+        self.snapshot.reflectance = Arc::new(reflectance.iter().map(|r| r.map(|b| b as f32)).collect());
+        let system = system(&prepared, &reflectance);
+        self.state.done.edits.clone_from(&wanted.edits);
+
+        if self.state.form_factors.is_none() {
+            todo.rows = prepared.mesh.patches.len();
+            let (rows, start) = self.with_run(|run| run.rows(&prepared, &system))?;
+            let (form_factors, assembled) = self.with_run(|run| run.assemble(&prepared, rows))?;
+            let form_factors = Arc::new(form_factors);
+            self.state.form_factors = Some(form_factors.clone());
+            self.state.bases = Some(Arc::new(start));
+            self.snapshot.form_factors = Some(form_factors);
+            self.snapshot.assembled = Some(assembled);
+        }
+        let form_factors = self.state.form_factors.clone().ok_or(Failure::Cancelled)?;
+        let start = self.state.bases.clone();
+        let tolerance = wanted.settings.tolerance;
+        let (bases, sweeps) =
+            self.with_run(|run| run.sweeps(&prepared, &form_factors, &system, start.as_deref(), tolerance))?;
+        todo.sweeps = sweeps.len();
+        let bases = Arc::new(bases);
+        self.state.bases = Some(bases.clone());
+        self.snapshot.bases = Some(bases);
+        self.snapshot.sweeps = Arc::new(sweeps);
+        self.snapshot.fraction = 1.0;
+        self.snapshot.seconds_left = None;
+        Ok(todo)
+    }
+
+    /// Meshes a scene; keeps the rows where the geometry turns out the same.
+    fn prepare(&mut self, scene: Arc<Scene>, wanted: &Wanted, todo: &mut Recompute) -> Result<(), Failure> {
+        self.publish(Stage::Meshing);
+        let prepared = prepare(scene.clone(), &wanted.settings)?;
+        self.check_cancel()?;
+        let same = !todo.method
+            && self.state.prepared.as_ref().is_some_and(|old| same_geometry(&old.mesh, &prepared.mesh));
+        if same {
+            todo.kept_rows = self.state.form_factors.is_some();
+        } else {
+            self.state.form_factors = None;
+            self.snapshot.form_factors = None;
+            self.snapshot.assembled = None;
+        }
+        self.state.bases = None;
+        self.state.scene = Some(scene.clone());
+        self.snapshot.timings.mesh = prepared.timings.mesh;
+        self.snapshot.timings.plan = prepared.timings.plan;
+        self.snapshot.scene = Some(scene);
+        self.snapshot.mesh = Some(prepared.mesh.clone());
+        self.snapshot.plan = Some(prepared.plan.clone());
+        self.snapshot.computer = Some(prepared.computer.clone());
+        self.snapshot.mesh_serial += 1;
+        self.snapshot.bases = None;
+        self.snapshot.sweeps = Arc::default();
+        self.snapshot.error = None;
+        self.snapshot.reflectance =
+            Arc::new(prepared.mesh.patches.iter().map(|p| p.reflectance.map(|b| b as f32)).collect());
+        self.snapshot.settings = wanted.settings.clone();
+        self.state.prepared = Some(prepared);
+        self.publish(Stage::Meshing);
+        Ok(())
+    }
+
+    fn check_cancel(&self) -> Result<(), Failure> {
+        if self.shared.cancel.load(Ordering::Acquire) { Err(Failure::Cancelled) } else { Ok(()) }
+    }
+
+    /// Runs a part of the pipeline, publishing its progress and resting while paused.
+    fn with_run<T>(
+        &mut self,
+        part: impl FnOnce(&mut Run<'_>) -> Result<T, PipelineError>,
+    ) -> Result<T, Failure> {
+        let shared = self.shared.clone();
+        let timings = self.snapshot.timings;
+        let mut observer = |progress: Progress<'_>| {
+            self.snapshot.fraction = progress.fraction;
+            self.snapshot.seconds_left = progress.seconds_left;
+            self.snapshot.rows = progress.rows;
+            self.snapshot.timings = progress.timings;
+            if !progress.sweeps.is_empty() {
+                self.snapshot.sweeps = Arc::new(progress.sweeps.to_vec());
+            }
+            if let Some(picture) = progress.picture() {
+                self.snapshot.bases = Some(Arc::new(picture));
+            }
+            self.publish(progress.stage);
+            self.rest_while_paused(progress.stage);
+            Control::Continue
+        };
+        let mut run = Run::new(&mut observer, &shared.cancel, timings);
+        let result = part(&mut run);
+        let timings = run.timings;
+        self.snapshot.timings = timings;
+        Ok(result?)
+    }
+
+    fn rest_while_paused(&mut self, stage: Stage) {
+        if !self.shared.paused.load(Ordering::Acquire) {
+            return;
+        }
+        self.publish(stage);
+        let shared = self.shared.clone();
+        let mut wanted = locked(&shared.wanted);
+        while shared.paused.load(Ordering::Acquire) && !shared.cancel.load(Ordering::Acquire) {
+            wanted = shared.news_for_worker.wait(wanted).unwrap_or_else(PoisonError::into_inner);
+        }
+        drop(wanted);
+        self.publish(stage);
+    }
+
+    fn publish(&mut self, stage: Stage) {
+        self.snapshot.stage = stage;
+        self.snapshot.paused = self.shared.paused.load(Ordering::Acquire);
+        self.snapshot.serial += 1;
+        *locked(&self.shared.latest) = Arc::new(self.snapshot.clone());
+        (self.on_news)();
+    }
+}
+
+enum Failure {
+    Cancelled,
+    Said(String),
+}
+
+impl From<PipelineError> for Failure {
+    fn from(error: PipelineError) -> Self {
+        match error {
+            PipelineError::Cancelled => Self::Cancelled,
+            other => Self::Said(other.to_string()),
+        }
+    }
 }

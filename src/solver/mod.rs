@@ -1,17 +1,30 @@
 //! Gauss-Seidel over the stored rows, one basis a luminaire, with a power-balance correction.
+//!
+//! A [`System`] holds what every basis shares: reflectances and the emission of each luminaire at
+//! unit output. [`Shooter`] lights it row by row while form factors arrive; [`GaussSeidel`] brings
+//! it to convergence once all are there.
 
+mod balance;
 mod bases;
+mod gauss_seidel;
+mod shooter;
+mod system;
 
 pub use bases::{LightBases, PatchLight, patch_emission};
+pub use gauss_seidel::GaussSeidel;
+pub use shooter::Shooter;
+pub use system::System;
 
-/// What one sweep reports, summed over bands and lamps as they come with the scene.
+/// What one sweep reports, for the lamps as they come with the scene (all of them at unit white
+/// output where none is lit).
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct SweepReport {
     /// Counted from 1.
     pub sweep: u32,
-    /// Largest residual of any patch relative to the largest radiosity.
+    /// Largest residual of any patch and basis relative to that basis' largest radiosity.
     pub residual: f64,
-    /// Guaranteed bound on the relative error: residual / (1 - max rho_i sum_j F_ij).
+    /// Guaranteed bound on the largest error of any patch, relative in the same way:
+    /// residual / (1 - max rho_i sum_j F_ij).
     pub error_bound: f64,
     /// Power emitted, W.
     pub emitted: f64,
@@ -19,6 +32,6 @@ pub struct SweepReport {
     pub absorbed: f64,
     /// Power that leaves through openings, W.
     pub escaped: f64,
-    /// Seconds since the solve began.
+    /// Seconds since the sweeps began.
     pub seconds: f64,
 }

@@ -1,7 +1,7 @@
 //! Collects polygons, materials, lamps and views, and writes them as OBJ, MTL and TOML.
 
 use super::BuiltinSource;
-use crate::scene::{LUMINOUS_EFFICACY, Sides, luminance_weighted};
+use crate::scene::{LUMINOUS_EFFICACY, Sides, black_body, luminance_weighted};
 use glam::DVec3;
 use std::collections::HashMap;
 use std::f64::consts::PI;
@@ -244,7 +244,7 @@ impl Model {
     fn radiance(&self, lamp: LampId, weight: f64) -> [f64; 3] {
         let (lumens, colour) = match self.lamps[lamp.0].output {
             Output::Radiance(radiance) => return radiance.map(|l| l * weight),
-            Output::White(lumens, kelvin) => (lumens, planckian(kelvin)),
+            Output::White(lumens, kelvin) => (lumens, black_body(kelvin)),
             Output::Coloured(lumens, colour) => (lumens, colour),
         };
         let of_lamp = self.materials.iter().filter_map(|m| m.glow.map(|g| (g, m.area)));
@@ -369,29 +369,4 @@ fn number(value: f64) -> String {
 
 fn triple(v: DVec3, separator: &str) -> String {
     v.to_array().map(number).join(separator)
-}
-
-/// Linear Rec. 709 colour of a black body (Kim et al. 2002, cubic fit of the Planckian locus),
-/// 1667 K to 25,000 K, clipped to the gamut.
-fn planckian(kelvin: f64) -> [f64; 3] {
-    let t = 1e3 / kelvin;
-    let x = if kelvin <= 4000.0 {
-        ((-0.2661239 * t - 0.2343589) * t + 0.8776956) * t + 0.179910
-    } else {
-        ((-3.0258469 * t + 2.1070379) * t + 0.2226347) * t + 0.240390
-    };
-    let y = if kelvin <= 2222.0 {
-        ((-1.1063814 * x - 1.34811020) * x + 2.18555832) * x - 0.20219683
-    } else if kelvin <= 4000.0 {
-        ((-0.9549476 * x - 1.37418593) * x + 2.09137015) * x - 0.16748867
-    } else {
-        ((3.0817580 * x - 5.87338670) * x + 3.75112997) * x - 0.37001483
-    };
-    let (cx, cz) = (x / y, (1.0 - x - y) / y);
-    let rgb = [
-        3.2404542 * cx - 1.5371385 - 0.4985314 * cz,
-        -0.9692660 * cx + 1.8760108 + 0.0415560 * cz,
-        0.0556434 * cx - 0.2040259 + 1.0572252 * cz,
-    ];
-    rgb.map(|c: f64| c.max(0.0))
 }

@@ -1,0 +1,512 @@
+//! Line sampling: visible spans found exactly along half-planes through the normal.
+//!
+//! The hemicube of 1985 samples visibility at cell centres. Here it is sampled along lines: each
+//! half-plane that the receiver's normal bounds is cut with every region, the cuts are intervals,
+//! and one sweep over them finds the visible spans exactly. With theta the angle from the normal, a
+//! span seen in a half-plane contributes, as dF = cos(theta) sin(theta) dtheta dphi / pi,
+//!
+//!   (sin²(theta_1) - sin²(theta_0)) / N
+//!
+//! where N half-planes stand for 2 pi of azimuth. Only the azimuth is sampled. Against the
+//! scanlines of a cube this needs neither five faces nor an arctangent, and spaces its lines more
+//! closely towards the normal, where the weight is.
+//!
+//! Along a half-plane, radius R and height H over the receiver, a direction is named by
+//! x = (R - H) / (R + H): -1 along the normal, +1 on the horizon. Then
+//! sin²(theta) = 1/2 + x / (1 + x²), and the reciprocal 1 / (R + H) of a plane's depth and all plane
+//! coordinates times it are linear in x. An edge seen from the receiver has cot(theta) =
+//! p cos(phi) + q sin(phi), with p and q from the cross product of its ends: no division a crossing.
+
+use super::occluders::{Cell, Occluders};
+use super::row::RowBuffer;
+use crate::geometry::Frame;
+use crate::mesh::{NO_PATCH, Side};
+use glam::DVec3;
+use std::f64::consts::TAU;
+
+/// Azimuths of the half-planes: cosine and sine in the receiver's turned frame.
+#[derive(Clone, Debug)]
+pub struct Fan {
+    directions: Vec<[f64; 2]>,
+}
+
+impl Fan {
+    /// `half_planes` azimuths, at least 8, evenly spaced.
+    pub fn new(half_planes: u32) -> Self {
+        let n = half_planes.max(8);
+        let angle = |k: u32| TAU * (f64::from(k) + 0.5) / f64::from(n);
+        Self { directions: (0..n).map(|k| [angle(k).cos(), angle(k).sin()]).collect() }
+    }
+
+    /// How many half-planes there are.
+    pub fn len(&self) -> usize {
+        self.directions.len()
+    }
+
+    /// Never: there are at least 8.
+    pub fn is_empty(&self) -> bool {
+        self.directions.is_empty()
+    }
+}
+
+/// One region's cut with one half-plane: x from `start` to `end`, 1/depth = w0 + w1 x.
+#[derive(Clone, Copy, Debug)]
+struct Interval {
+    start: f64,
+    end: f64,
+    w0: f64,
+    w1: f64,
+    /// Index into [`LineSampler::seen`].
+    seen: u32,
+}
+
+impl Interval {
+    fn w(&self, x: f64) -> f64 {
+        self.w0 + self.w1 * x
+    }
+}
+
+/// A region above the horizon, in the receiver's frame.
+#[derive(Clone, Copy, Debug)]
+struct Seen {
+    region: u32,
+    side: Side,
+    /// Grid axes, and the grid coordinates of the receiver itself (negated).
+    u: [f64; 3],
+    v: [f64; 3],
+    u_offset: f64,
+    v_offset: f64,
+    /// What its spans are scaled by: the closed form over `total`.
+    ratio: f64,
+    /// Sums of its intervals and of the visible ones among them.
+    total: f64,
+    visible: f64,
+}
+
+/// Scratch space for rows; one a thread.
+#[derive(Clone, Debug, Default)]
+pub struct LineSampler {
+    local: Vec<DVec3>,
+    azimuth: Vec<f64>,
+    seen: Vec<Seen>,
+    lines: Vec<Vec<Interval>>,
+    /// Crossings of the present region, `stride` slots a half-plane.
+    crossings: Vec<f64>,
+    counts: Vec<u32>,
+    touched: Vec<u32>,
+    active: Vec<Interval>,
+    /// Patch, weight and region of every visible part.
+    pieces: Vec<(u32, f64, u32)>,
+    /// Lamps above the horizon that no half-plane met.
+    missed: Vec<u32>,
+}
+
+/// Intervals shorter than this in x carry nothing.
+const SHORTEST: f64 = 1e-13;
+
+impl LineSampler {
+    /// Adds the form factors from `point` to every patch to `row`.
+    ///
+    /// `frame.normal` is the receiver's normal; `turn` in 0..1 shifts the half-planes by that
+    /// fraction of their spacing.
+    pub fn gather(
+        &mut self,
+        scene: &Occluders,
+        fan: &Fan,
+        point: DVec3,
+        frame: &Frame,
+        turn: f64,
+        row: &mut RowBuffer,
+    ) {
+        let n = fan.directions.len();
+        let frame = frame.turned(turn * TAU / n as f64);
+        self.seen.clear();
+        self.missed.clear();
+        self.lines.resize_with(n, Vec::new);
+        for line in &mut self.lines {
+            line.clear();
+        }
+        if self.counts.len() < n {
+            self.counts.resize(n, 0);
+        }
+        for index in 0..scene.regions.len() {
+            self.cut_region(scene, fan, index, point, &frame);
+        }
+        let per_line = 1.0 / n as f64;
+        self.pieces.clear();
+        for k in 0..n {
+            let mut line = std::mem::take(&mut self.lines[k]);
+            self.sweep(scene, &mut line, fan.directions[k]);
+            self.lines[k] = line;
+        }
+        for &(patch, amount, seen) in &self.pieces {
+            row.add(patch, amount * per_line * self.seen[seen as usize].ratio);
+        }
+    }
+
+    /// Whether the last point saw a lamp in part: it lies in a penumbra.
+    pub fn in_penumbra(&self, scene: &Occluders) -> bool {
+        self.seen.iter().any(|s| {
+            let fraction = s.visible / s.total;
+            scene.regions[s.region as usize].emits && fraction > 0.01 && fraction < 0.99
+        })
+    }
+
+    /// Lamps above the horizon of the last point that fell between two half-planes, as regions.
+    pub fn missed(&self) -> &[u32] {
+        &self.missed
+    }
+
+    /// Finds the intervals of one region on all half-planes.
+    fn cut_region(&mut self, scene: &Occluders, fan: &Fan, index: usize, point: DVec3, frame: &Frame) {
+        let region = &scene.regions[index];
+        let contact = scene.contact();
+        // 1. Skip what lies below the horizon or edge-on.
+        let middle = region.middle - point;
+        if frame.normal.dot(middle) + frame.normal.abs().dot(region.half) <= contact {
+            return;
+        }
+        let to_plane = region.normal.dot(region.origin - point);
+        if to_plane.abs() <= contact {
+            return;
+        }
+        // 2. Corners in the receiver's frame, with their azimuth counted in half-planes.
+        let n = fan.directions.len();
+        let corners = region.vertices[0] as usize..region.vertices[1] as usize;
+        self.local.clear();
+        let mut highest = f64::NEG_INFINITY;
+        for vertex in &scene.vertices[corners] {
+            let p = frame.local(*vertex - point);
+            highest = highest.max(p.z);
+            self.local.push(p);
+        }
+        if highest <= contact {
+            return;
+        }
+        self.azimuth.clear();
+        let per_turn = n as f64 / TAU;
+        self.azimuth.extend(self.local.iter().map(|p| p.y.atan2(p.x) * per_turn - 0.5));
+
+        // 3. Where each edge crosses which half-planes.
+        let edges = &scene.edges[region.edges[0] as usize..region.edges[1] as usize];
+        let stride = edges.len();
+        if self.crossings.len() < n * stride {
+            self.crossings.resize(n * stride, 0.0);
+        }
+        self.touched.clear();
+        let half_turn = 0.5 * n as f64;
+        let mut exact = 0.0;
+        let (mut rim_enter, mut rim_leave, mut rims) = (0.0, 0.0, 0);
+        for &[a, b] in edges {
+            let (p, q) = (self.local[a as usize], self.local[b as usize]);
+            let m = p.cross(q);
+            // Lambert's term of the part of this edge above the horizon.
+            if p.z > 0.0 || q.z > 0.0 {
+                let (mut from, mut to) = (p, q);
+                if p.z <= 0.0 {
+                    from = p + (q - p) * (p.z / (p.z - q.z));
+                    rim_enter = from.y.atan2(from.x);
+                    rims += 1;
+                } else if q.z <= 0.0 {
+                    to = p + (q - p) * (p.z / (p.z - q.z));
+                    rim_leave = to.y.atan2(to.x);
+                    rims += 1;
+                }
+                let cross = from.cross(to);
+                let length = cross.length();
+                if length > 0.0 {
+                    exact += cross.z / length * length.atan2(from.dot(to));
+                }
+            }
+            let (from, mut to) = (self.azimuth[a as usize], self.azimuth[b as usize]);
+            // The short way round.
+            if to - from > half_turn {
+                to -= n as f64;
+            } else if from - to > half_turn {
+                to += n as f64;
+            }
+            let (first, end) = (from.min(to).ceil(), from.max(to).ceil());
+            if first >= end {
+                continue;
+            }
+            let scale = -1.0 / m.z;
+            let (slope_x, slope_y) = (m.x * scale, m.y * scale);
+            // An edge that points along a half-plane has a slope of rounding errors alone: its
+            // crossing is held between its ends.
+            let radial = m.z.abs() <= 1e-9 * (m.x.abs() + m.y.abs());
+            let cot_of = |p: DVec3| p.z / p.x.hypot(p.y).max(f64::MIN_POSITIVE);
+            let limits = if radial { [cot_of(p), cot_of(q)] } else { [0.0; 2] };
+            let mut k = (first as i64).rem_euclid(n as i64) as usize;
+            for _ in 0..(end - first) as usize {
+                let [cos, sin] = fan.directions[k];
+                let mut cot = slope_x * cos + slope_y * sin;
+                if radial {
+                    cot = cot.max(limits[0].min(limits[1])).min(limits[0].max(limits[1]));
+                }
+                // NaN, which only an edge through the receiver's axis gives, falls to the horizon.
+                let x = if cot > 0.0 { (1.0 - cot) / (1.0 + cot) } else { 1.0 };
+                let count = self.counts[k];
+                if count == 0 {
+                    self.touched.push(k as u32);
+                }
+                self.crossings[k * stride + count as usize] = if x.is_nan() { -1.0 } else { x };
+                self.counts[k] = count + 1;
+                k += 1;
+                if k == n {
+                    k = 0;
+                }
+            }
+        }
+        // The polygon cut off at the horizon is closed along it.
+        if rims == 2 {
+            let mut turn = rim_enter - rim_leave;
+            if turn > TAU / 2.0 {
+                turn -= TAU;
+            } else if turn < -TAU / 2.0 {
+                turn += TAU;
+            }
+            exact += turn;
+        }
+
+        // 4. Pair the crossings of each half-plane.
+        let normal = frame.local(region.normal);
+        let side = if to_plane < 0.0 { Side::Front } else { Side::Back };
+        let axis_end = if to_plane * normal.z > 0.0 { -1.0 } else { 1.0 };
+        let inverse = 0.5 / to_plane;
+        let seen = self.seen.len() as u32;
+        let mut total = 0.0;
+        for &k in &self.touched {
+            let k = k as usize;
+            let count = self.counts[k] as usize;
+            self.counts[k] = 0;
+            let slots = &mut self.crossings[k * stride..(k + 1) * stride];
+            let [cos, sin] = fan.directions[k];
+            let radial = normal.x * cos + normal.y * sin;
+            let (w0, w1) = ((radial + normal.z) * inverse, (radial - normal.z) * inverse);
+            let line = &mut self.lines[k];
+            let mut push = |start: f64, end: f64| {
+                if end - start > SHORTEST {
+                    total += weight_of(end) - weight_of(start);
+                    line.push(Interval { start, end, w0, w1, seen });
+                }
+            };
+            match count {
+                1 => push(slots[0].min(axis_end), slots[0].max(axis_end)),
+                2 => push(slots[0].min(slots[1]), slots[0].max(slots[1])),
+                _ => {
+                    let slots = &mut slots[..count];
+                    slots.sort_unstable_by(f64::total_cmp);
+                    if count.is_multiple_of(2) {
+                        slots.chunks_exact(2).for_each(|c| push(c[0], c[1]));
+                    } else if axis_end < 0.0 {
+                        push(-1.0, slots[0]);
+                        slots[1..].chunks_exact(2).for_each(|c| push(c[0], c[1]));
+                    } else {
+                        slots[..count - 1].chunks_exact(2).for_each(|c| push(c[0], c[1]));
+                        push(slots[count - 1], 1.0);
+                    }
+                }
+            }
+        }
+        let exact = exact.abs() / TAU;
+        if total <= 0.0 {
+            if region.emits && exact > 0.0 {
+                self.missed.push(index as u32);
+            }
+            return;
+        }
+        // The lines' own error on the whole region is known, and is taken out of its visible part.
+        let ratio = if rims <= 2 && exact > 0.0 { (exact * n as f64 / total).clamp(0.25, 4.0) } else { 1.0 };
+        let u = frame.local(region.u_axis);
+        let v = frame.local(region.v_axis);
+        let from_origin = point - region.origin;
+        self.seen.push(Seen {
+            region: index as u32,
+            side,
+            u: u.to_array(),
+            v: v.to_array(),
+            u_offset: region.u_axis.dot(from_origin),
+            v_offset: region.v_axis.dot(from_origin),
+            ratio,
+            total,
+            visible: 0.0,
+        });
+    }
+
+    /// Finds the visible spans of one half-plane and hands them to their patches.
+    fn sweep(&mut self, scene: &Occluders, line: &mut [Interval], direction: [f64; 2]) {
+        line.sort_unstable_by(|a, b| a.start.total_cmp(&b.start).then(a.seen.cmp(&b.seen)));
+        self.active.clear();
+        let mut next = 0;
+        let mut x = -1.0;
+        let mut run: Option<(Interval, f64, f64)> = None;
+        while next < line.len() || !self.active.is_empty() {
+            if self.active.is_empty() {
+                x = line[next].start;
+            }
+            while next < line.len() && line[next].start <= x {
+                self.active.push(line[next]);
+                next += 1;
+            }
+            let mut end = if next < line.len() { line[next].start } else { f64::INFINITY };
+            for interval in &self.active {
+                end = end.min(interval.end);
+            }
+            if end - x > SHORTEST {
+                let (mut from, mut rounds) = (x, 0);
+                while from < end {
+                    // Slightly inside, so that surfaces that meet at an end do not tie.
+                    let inset = 1e-3 * (end - from);
+                    let near = nearest(&self.active, from + inset);
+                    let far = if self.active.len() == 1 { near } else { nearest(&self.active, end - inset) };
+                    let (first, last) = (self.active[near], self.active[far]);
+                    let mut to = end;
+                    if near != far && rounds < 8 {
+                        // Two surfaces cut through each other: the span ends where they are equally near.
+                        let meet = (last.w0 - first.w0) / (first.w1 - last.w1);
+                        if meet > from && meet < end {
+                            to = meet;
+                        }
+                    }
+                    rounds += 1;
+                    match &mut run {
+                        Some((interval, _, run_end)) if interval.seen == first.seen && *run_end == from => {
+                            *run_end = to;
+                        }
+                        _ => {
+                            if let Some((interval, a, b)) = run.replace((first, from, to)) {
+                                self.resolve(scene, &interval, a, b, direction);
+                            }
+                        }
+                    }
+                    from = to;
+                }
+            }
+            x = end;
+            self.active.retain(|interval| interval.end > end);
+        }
+        if let Some((interval, a, b)) = run {
+            self.resolve(scene, &interval, a, b, direction);
+        }
+    }
+
+    /// Cuts a visible span where it crosses grid lines, and gives each part to its patch.
+    fn resolve(
+        &mut self,
+        scene: &Occluders,
+        interval: &Interval,
+        start: f64,
+        end: f64,
+        [cos, sin]: [f64; 2],
+    ) {
+        let seen = &mut self.seen[interval.seen as usize];
+        let region = &scene.regions[seen.region as usize];
+        let start_weight = weight_of(start);
+        let end_weight = weight_of(end);
+        seen.visible += end_weight - start_weight;
+        let side = seen.side as usize;
+        let (w0, w1) = (interval.w0, interval.w1);
+        let (nu, nv) = (region.cells[0] as i64, region.cells[1] as i64);
+        // Numerators of u and v over w: linear in x.
+        let numerator = |axis: &[f64; 3], offset: f64| {
+            let radial = axis[0] * cos + axis[1] * sin;
+            let (a0, a1) = (0.5 * (radial + axis[2]), 0.5 * (radial - axis[2]));
+            (a0 + offset * w0, a1 + offset * w1)
+        };
+        let (u0, u1) = numerator(&seen.u, seen.u_offset);
+        let (v0, v1) = numerator(&seen.v, seen.v_offset);
+        let cell_at = |x: f64, a0: f64, a1: f64, count: i64| -> i64 {
+            let value = (a0 + a1 * x) / (w0 + w1 * x);
+            (value as i64).clamp(0, count - 1)
+        };
+        // A hair inside the span, so that ends on a grid line fall on the right side of it.
+        let inset = 1e-9 * (end - start);
+        let (xa, xb) = (start + inset, end - inset);
+        let (mut iu, iu_end) =
+            if nu == 1 { (0, 0) } else { (cell_at(xa, u0, u1, nu), cell_at(xb, u0, u1, nu)) };
+        let (mut iv, iv_end) =
+            if nv == 1 { (0, 0) } else { (cell_at(xa, v0, v1, nv), cell_at(xb, v0, v1, nv)) };
+        let u_step = (iu_end - iu).signum();
+        let v_step = (iv_end - iv).signum();
+        // x at which u (or v) reaches the grid line behind cell i.
+        let crossing = |i: i64, step: i64, last: i64, a0: f64, a1: f64| -> f64 {
+            if i == last {
+                return f64::INFINITY;
+            }
+            let line = (i + i64::from(step > 0)) as f64;
+            (line * w0 - a0) / (a1 - line * w1)
+        };
+        let mut x_u = crossing(iu, u_step, iu_end, u0, u1);
+        let mut x_v = crossing(iv, v_step, iv_end, v0, v1);
+        let mut x = start;
+        let mut weight = start_weight;
+        loop {
+            let to = x_u.min(x_v).min(end);
+            let last = iu == iu_end && iv == iv_end;
+            let (to, to_weight) =
+                if last || to >= end { (end, end_weight) } else { (to.max(x), weight_of(to.max(x))) };
+            match scene.cells[(region.first_cell as i64 + iu + iv * nu) as usize] {
+                Cell::Whole(patches) => {
+                    let patch = patches[side];
+                    if patch != NO_PATCH {
+                        self.pieces.push((patch, to_weight - weight, interval.seen));
+                    }
+                }
+                Cell::Split([first, end_piece]) => {
+                    for piece in &scene.pieces[first as usize..end_piece as usize] {
+                        let patch = piece.patches[side];
+                        if patch == NO_PATCH {
+                            continue;
+                        }
+                        let (mut low, mut high) = (x, to);
+                        for &[a, b, c] in &scene.piece_edges[piece.edges[0] as usize..piece.edges[1] as usize]
+                        {
+                            // a u + b v + c >= 0, times w > 0: linear in x.
+                            let (f0, f1) = (a * u0 + b * v0 + c * w0, a * u1 + b * v1 + c * w1);
+                            let root = -f0 / f1;
+                            if f1 > 0.0 {
+                                low = low.max(root);
+                            } else if f1 < 0.0 {
+                                high = high.min(root);
+                            } else if f0 < 0.0 {
+                                high = f64::NEG_INFINITY;
+                            }
+                        }
+                        if high > low {
+                            self.pieces.push((patch, weight_of(high) - weight_of(low), interval.seen));
+                        }
+                    }
+                }
+            }
+            if last || to >= end {
+                break;
+            }
+            x = to;
+            weight = to_weight;
+            if x_u <= x_v {
+                iu += u_step;
+                x_u = crossing(iu, u_step, iu_end, u0, u1);
+            } else {
+                iv += v_step;
+                x_v = crossing(iv, v_step, iv_end, v0, v1);
+            }
+        }
+    }
+}
+
+/// sin² of the angle from the normal, less 1/2.
+#[inline]
+fn weight_of(x: f64) -> f64 {
+    x / (1.0 + x * x)
+}
+
+fn nearest(active: &[Interval], x: f64) -> usize {
+    let mut best = (f64::NEG_INFINITY, 0);
+    for (index, interval) in active.iter().enumerate() {
+        let w = interval.w(x);
+        if w > best.0 {
+            best = (w, index);
+        }
+    }
+    best.1
+}

@@ -1,0 +1,313 @@
+//! All form factors of a mesh: sparse, reciprocal and closed.
+
+use super::{Row, RowComputer, near};
+use crate::mesh::PatchMesh;
+use rayon::prelude::*;
+
+/// Form factors of a mesh as exchange areas S_ij = A_i F_ij, row by row.
+///
+/// S is symmetric to the last bit, so that what i sends to j is what j would send to i. What
+/// single precision rounds off a row's sum is kept on the diagonal in double precision.
+#[derive(Clone, Debug, Default)]
+pub struct FormFactors {
+    offsets: Vec<usize>,
+    columns: Vec<u32>,
+    exchange: Vec<f32>,
+    diagonal: Vec<f64>,
+    areas: Vec<f64>,
+}
+
+/// What [`FormFactors::assemble`] did.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct AssembleReport {
+    /// Largest |row sum - 1| of a row as sampled, among rows that see no opening to within 1 %.
+    pub worst_closure: f64,
+    /// Area-weighted mean over pairs of |A_i F_ij - A_j F_ji| over their mean, as sampled.
+    pub mean_reciprocity: f64,
+    /// Close pairs replaced by closed forms.
+    pub close_pairs: usize,
+    /// Scaling passes until the power balance closed.
+    pub passes: usize,
+    /// Largest relative deviation of a row sum from its target after them.
+    pub imbalance: f64,
+}
+
+/// Row sums within this of one count as closed: the rest is sampling error.
+const CLOSED: f64 = 2e-3;
+/// Scaling stops at this relative deviation of row sums.
+const BALANCED: f64 = 1e-7;
+const MOST_PASSES: usize = 60;
+/// Rows assembled by one task.
+const BLOCK: usize = 256;
+/// Leaves room for the rounding of single precision below every row sum.
+const HEADROOM: f64 = 1.0 - 2e-7;
+
+impl FormFactors {
+    /// Builds the matrix from one sampled row a patch.
+    ///
+    /// 1. Each pair takes the mean of its two samples; a lamp's the receiver's, who sees it better.
+    /// 2. Close pairs take closed forms times their visible fraction.
+    /// 3. A symmetric scaling (Sinkhorn & Knopp 1967) gives every row its sum: one where the point
+    ///    saw no opening, else what was sampled.
+    ///
+    /// Polls `cancelled` often; `None` if it says so.
+    pub fn assemble(
+        computer: &RowComputer,
+        rows: Vec<Row>,
+        cancelled: &(dyn Fn() -> bool + Sync),
+    ) -> Option<(Self, AssembleReport)> {
+        let mesh = computer.mesh();
+        let n = mesh.patches.len();
+        assert_eq!(rows.len(), n, "one row a patch");
+        let close: Vec<Vec<(u32, f64)>> = (0..n as u32)
+            .into_par_iter()
+            .map(|i| if cancelled() { Vec::new() } else { near::of_row(computer, &rows, i) })
+            .collect();
+        if cancelled() {
+            return None;
+        }
+        let close_pairs = close.iter().map(Vec::len).sum();
+
+        let starts: Vec<usize> = (0..n).step_by(BLOCK).collect();
+        let blocks: Vec<Block> = starts
+            .par_iter()
+            .map(|&start| {
+                let end = if cancelled() { start } else { (start + BLOCK).min(n) };
+                Block::assemble(mesh, &rows, &close, start..end)
+            })
+            .collect();
+        if cancelled() {
+            return None;
+        }
+        let sums: Vec<f64> = rows.par_iter().map(Row::sum).collect();
+        drop(rows);
+        let entries = blocks.iter().map(|b| b.columns.len()).sum();
+        let mut matrix = Self {
+            offsets: Vec::with_capacity(n + 1),
+            columns: Vec::with_capacity(entries),
+            exchange: Vec::with_capacity(entries),
+            diagonal: vec![0.0; n],
+            areas: mesh.patches.iter().map(|p| p.area).collect(),
+        };
+        matrix.offsets.push(0);
+        let (mut gap, mut mean) = (0.0, 0.0);
+        for block in blocks {
+            for end in &block.ends {
+                matrix.offsets.push(matrix.columns.len() + end);
+            }
+            matrix.columns.extend_from_slice(&block.columns);
+            matrix.exchange.extend_from_slice(&block.exchange);
+            gap += block.gap;
+            mean += block.mean;
+        }
+        let near_one = |s: &&f64| (**s - 1.0).abs() < 0.01;
+        let worst_closure = sums.iter().filter(near_one).map(|s| (s - 1.0).abs()).fold(0.0, f64::max);
+        let targets: Vec<f64> = sums
+            .iter()
+            .zip(&matrix.areas)
+            .map(|(&s, &a)| a * HEADROOM * if s > 1.0 - CLOSED { 1.0 } else { s })
+            .collect();
+        let (passes, imbalance) = matrix.balance(&targets, cancelled);
+        let report = AssembleReport {
+            worst_closure,
+            mean_reciprocity: if mean > 0.0 { gap / mean } else { 0.0 },
+            close_pairs,
+            passes,
+            imbalance,
+        };
+        (!cancelled()).then_some((matrix, report))
+    }
+
+    /// Scales rows and columns alike until row i of S sums to `targets[i]`.
+    fn balance(&mut self, targets: &[f64], cancelled: &dyn Fn() -> bool) -> (usize, f64) {
+        let n = self.areas.len();
+        let mut scale = vec![1.0_f64; n];
+        let mut passes = 0;
+        let mut imbalance;
+        loop {
+            let sums: Vec<f64> = (0..n).into_par_iter().map(|i| scale[i] * self.dot(i, &scale)).collect();
+            let ratio = |i: usize| if sums[i] > 0.0 { targets[i] / sums[i] } else { 1.0 };
+            imbalance = (0..n).map(|i| (ratio(i) - 1.0).abs()).fold(0.0, f64::max);
+            if imbalance < BALANCED || passes == MOST_PASSES || cancelled() {
+                break;
+            }
+            for (i, s) in scale.iter_mut().enumerate() {
+                *s *= ratio(i).clamp(0.25, 4.0).sqrt();
+            }
+            passes += 1;
+        }
+        // No row may send out more than it has: what still exceeds its target is cut on both sides.
+        let sums: Vec<f64> = (0..n).into_par_iter().map(|i| scale[i] * self.dot(i, &scale)).collect();
+        let cut: Vec<f64> =
+            (0..n).map(|i| if sums[i] > targets[i] { targets[i] / sums[i] } else { 1.0 }).collect();
+        let offsets = &self.offsets;
+        let mut rows = Vec::with_capacity(n);
+        let mut rest = self.exchange.as_mut_slice();
+        for i in 0..n {
+            let (row, tail) = std::mem::take(&mut rest).split_at_mut(offsets[i + 1] - offsets[i]);
+            rows.push(row);
+            rest = tail;
+        }
+        let columns = &self.columns;
+        let scaled: Vec<f64> = rows
+            .into_par_iter()
+            .enumerate()
+            .map(|(i, row)| {
+                let mut sum = 0.0;
+                for (value, &j) in row.iter_mut().zip(&columns[offsets[i]..offsets[i + 1]]) {
+                    let j = j as usize;
+                    // The product in one order for (i, j) and (j, i): symmetric to the last bit.
+                    let (a, b) = if i < j { (i, j) } else { (j, i) };
+                    *value = (f64::from(*value) * (scale[a] * scale[b]) * cut[a].min(cut[b])) as f32;
+                    sum += f64::from(*value);
+                }
+                sum
+            })
+            .collect();
+        for i in 0..n {
+            let target = targets[i] / HEADROOM;
+            self.diagonal[i] = if sums[i] > 0.0 { (target - scaled[i]).max(0.0) } else { 0.0 };
+        }
+        (passes, imbalance)
+    }
+
+    fn dot(&self, i: usize, vector: &[f64]) -> f64 {
+        let (columns, values) = self.row(i);
+        columns.iter().zip(values).map(|(&j, &s)| f64::from(s) * vector[j as usize]).sum()
+    }
+
+    /// Number of patches.
+    pub fn len(&self) -> usize {
+        self.areas.len()
+    }
+
+    /// Whether there is no patch.
+    pub fn is_empty(&self) -> bool {
+        self.areas.is_empty()
+    }
+
+    /// Stored pairs.
+    pub fn entries(&self) -> usize {
+        self.columns.len()
+    }
+
+    /// Bytes held.
+    pub fn bytes(&self) -> usize {
+        self.columns.len() * 8 + self.areas.len() * 24
+    }
+
+    /// Patches that patch `i` sees and its exchange areas S_ij with them, m²; see [`Self::diagonal`].
+    pub fn row(&self, i: usize) -> (&[u32], &[f32]) {
+        let range = self.offsets[i]..self.offsets[i + 1];
+        (&self.columns[range.clone()], &self.exchange[range])
+    }
+
+    /// What rounding leaves of row i for itself, m²: some 1e-7 of its area.
+    pub fn diagonal(&self, i: usize) -> f64 {
+        self.diagonal[i]
+    }
+
+    /// Area of patch `i`, m².
+    pub fn area(&self, i: usize) -> f64 {
+        self.areas[i]
+    }
+
+    /// Form factor from patch `i` to patch `j`.
+    pub fn get(&self, i: usize, j: usize) -> f64 {
+        let (columns, values) = self.row(i);
+        let stored = columns.binary_search(&(j as u32)).map_or(0.0, |k| f64::from(values[k]));
+        (stored + if i == j { self.diagonal[i] } else { 0.0 }) / self.areas[i]
+    }
+
+    /// Sum of row `i`: 1 in a closed scene, less where light escapes.
+    pub fn row_sum(&self, i: usize) -> f64 {
+        let (_, values) = self.row(i);
+        (values.iter().map(|&v| f64::from(v)).sum::<f64>() + self.diagonal[i]) / self.areas[i]
+    }
+}
+
+/// A run of assembled rows.
+struct Block {
+    ends: Vec<usize>,
+    columns: Vec<u32>,
+    exchange: Vec<f32>,
+    gap: f64,
+    mean: f64,
+}
+
+impl Block {
+    fn assemble(
+        mesh: &PatchMesh,
+        rows: &[Row],
+        close: &[Vec<(u32, f64)>],
+        range: std::ops::Range<usize>,
+    ) -> Self {
+        // What other rows say of the patches in this range, in rising order of those rows.
+        let mut columns: Vec<Vec<(u32, f32)>> = vec![Vec::new(); range.len()];
+        let mut mirrored: Vec<Vec<(u32, f64)>> = vec![Vec::new(); range.len()];
+        for (j, row) in rows.iter().enumerate() {
+            let first = row.patches.partition_point(|&p| (p as usize) < range.start);
+            for (&i, &value) in row.patches[first..].iter().zip(&row.values[first..]) {
+                if i as usize >= range.end {
+                    break;
+                }
+                columns[i as usize - range.start].push((j as u32, value));
+            }
+            for &(i, value) in &close[j] {
+                if range.contains(&(i as usize)) {
+                    mirrored[i as usize - range.start].push((j as u32, value));
+                }
+            }
+        }
+        let mut block =
+            Self { ends: Vec::new(), columns: Vec::new(), exchange: Vec::new(), gap: 0.0, mean: 0.0 };
+        for (k, column) in columns.iter().enumerate() {
+            let i = range.start + k;
+            let row = &rows[i];
+            let a_i = mesh.patches[i].area;
+            // Close pairs in rising order: those of lower rows, then this row's own.
+            let mut exact = mirrored[k].iter().chain(&close[i]).peekable();
+            let (mut r, mut c) = (0, 0);
+            while r < row.patches.len() || c < column.len() {
+                let from_row = row.patches.get(r).copied().unwrap_or(u32::MAX);
+                let from_column = column.get(c).map_or(u32::MAX, |e| e.0);
+                let j = from_row.min(from_column);
+                let mut out = 0.0;
+                let mut back = 0.0;
+                if from_row == j {
+                    out = a_i * f64::from(row.values[r]);
+                    r += 1;
+                }
+                if from_column == j {
+                    back = mesh.patches[j as usize].area * f64::from(column[c].1);
+                    c += 1;
+                }
+                block.gap += (out - back).abs();
+                block.mean += 0.5 * (out + back);
+                while exact.next_if(|e| e.0 < j).is_some() {}
+                let value = match exact.peek() {
+                    Some(&&(at, value)) if at == j => value,
+                    _ => pair_value(mesh, i as u32, j, out, back),
+                };
+                if j as usize != i && value as f32 > 0.0 {
+                    block.columns.push(j);
+                    block.exchange.push(value as f32);
+                }
+            }
+            block.ends.push(block.columns.len());
+        }
+        block
+    }
+}
+
+/// Exchange area of a pair from the two samples `out` = A_i F_ij and `back` = A_j F_ji, m².
+fn pair_value(mesh: &PatchMesh, i: u32, j: u32, out: f64, back: f64) -> f64 {
+    let emits = |p: u32| mesh.patches[p as usize].luminaire.is_some();
+    match (emits(i), emits(j)) {
+        (false, true) => out,
+        (true, false) => back,
+        // In one order for (i, j) and (j, i), so that both round alike.
+        _ if i < j => 0.5 * (out + back),
+        _ => 0.5 * (back + out),
+    }
+}

@@ -1,0 +1,281 @@
+//! Computes rows by the chosen method.
+
+use super::closed_form::point_to_polygon;
+use super::{Fan, Hemicube, HemicubeSampler, LineSampler, Method, Occluders, RayScene, Row, RowBuffer};
+use crate::geometry::Frame;
+use crate::mesh::{PatchMesh, Side};
+use glam::DVec3;
+use std::sync::Arc;
+
+/// Computes rows of form factors for one mesh, method and resolution.
+#[derive(Clone, Debug)]
+pub struct RowComputer {
+    mesh: Arc<PatchMesh>,
+    occluders: Occluders,
+    rays: RayScene,
+    sampler: Sampler,
+    visibility: bool,
+    /// One patch of each lamp's regions, to aim shadow rays at.
+    lamps: Vec<u32>,
+}
+
+#[derive(Clone, Debug)]
+enum Sampler {
+    /// The fan for all patches and a finer one for those of lamps, whose rows light the first picture.
+    Lines(Fan, Fan),
+    Hemicube(Hemicube),
+    Rays(u32),
+}
+
+/// How many times as many half-planes a lamp's row has.
+const LAMP_FINER: u32 = 4;
+
+/// Working memory of one thread.
+#[derive(Clone, Debug)]
+pub struct RowScratch {
+    lines: LineSampler,
+    hemicube: HemicubeSampler,
+    row: RowBuffer,
+}
+
+impl RowComputer {
+    /// Prepares tables and acceleration structures.
+    ///
+    /// `visibility` off takes every pair that faces each other as fully visible and uses closed
+    /// forms alone: right only where [`crate::effects::Effect::Visibility`] is not called for.
+    pub fn new(mesh: Arc<PatchMesh>, method: Method, resolution: Option<u32>, visibility: bool) -> Self {
+        let resolution = resolution.unwrap_or(method.default_resolution());
+        let sampler = match method {
+            Method::Lines => {
+                Sampler::Lines(Fan::new(resolution), Fan::new(resolution.saturating_mul(LAMP_FINER)))
+            }
+            Method::Hemicube => Sampler::Hemicube(Hemicube::new(resolution)),
+            Method::Rays => Sampler::Rays(resolution.max(1)),
+        };
+        let mut lamps: Vec<u32> = Vec::new();
+        for (index, patch) in mesh.patches.iter().enumerate() {
+            let last = lamps.last().map(|&l| &mesh.patches[l as usize]);
+            if patch.luminaire.is_some()
+                && last.is_none_or(|l| (l.region, l.side) != (patch.region, patch.side))
+            {
+                lamps.push(index as u32);
+            }
+        }
+        Self {
+            occluders: Occluders::new(&mesh),
+            rays: RayScene::new(&mesh),
+            mesh,
+            sampler,
+            visibility,
+            lamps,
+        }
+    }
+
+    /// The mesh that rows are computed for.
+    pub fn mesh(&self) -> &Arc<PatchMesh> {
+        &self.mesh
+    }
+
+    /// How many rows make a batch of a few milliseconds a thread: a matter of method, resolution and
+    /// scene alone, so that the order of work never depends on the clock.
+    pub fn batch(&self) -> usize {
+        let cost = match &self.sampler {
+            Sampler::Lines(fan, _) => {
+                fan.len() as f64 / 192.0 * (1.0 + self.occluders.regions.len() as f64 / 1000.0)
+            }
+            Sampler::Hemicube(cube) => 8.0 * (cube.resolution() as f64 / 256.0).powi(2),
+            Sampler::Rays(count) => 4.0 * f64::from(*count) / 4096.0,
+        };
+        (96.0 / cost).clamp(2.0, 256.0) as usize
+    }
+
+    /// Rays against the true polygons of the mesh.
+    pub fn rays(&self) -> &RayScene {
+        &self.rays
+    }
+
+    /// Working memory for one thread.
+    pub fn scratch(&self) -> RowScratch {
+        RowScratch {
+            lines: LineSampler::default(),
+            hemicube: HemicubeSampler::default(),
+            row: RowBuffer::new(self.mesh.patches.len()),
+        }
+    }
+
+    /// The row of a patch: gathered at its centre, or at several points where a shadow's edge may
+    /// cross it.
+    pub fn row(&self, patch: u32, scratch: &mut RowScratch) -> Row {
+        let p = &self.mesh.patches[patch as usize];
+        if !self.visibility {
+            self.gather_unoccluded(p.centre, p.normal, scratch);
+            return scratch.row.take();
+        }
+        let frame = self.frame(patch);
+        let lamp = p.luminaire.is_some();
+        self.gather(p.centre, frame, turn_of(patch), lamp, scratch);
+        if !self.crosses_shadow(patch, scratch) {
+            return scratch.row.take();
+        }
+        scratch.row.drain(|_, _| {});
+        for (k, (point, weight)) in self.receiving_points(patch).into_iter().enumerate() {
+            scratch.row.set_weight(weight);
+            // The patterns of the points interleave.
+            self.gather(point, frame, turn_of(patch) + 0.25 * k as f64, lamp, scratch);
+        }
+        scratch.row.set_weight(1.0);
+        Row { spread: true, ..scratch.row.take() }
+    }
+
+    /// Whether some lamp is seen in part from the centre, or from some corners and not from others.
+    fn crosses_shadow(&self, patch: u32, scratch: &RowScratch) -> bool {
+        let Sampler::Lines(..) = self.sampler else { return false };
+        let p = &self.mesh.patches[patch as usize];
+        if p.luminaire.is_some() {
+            return false;
+        }
+        if scratch.lines.in_penumbra(&self.occluders) {
+            return true;
+        }
+        let corners: Vec<DVec3> = self
+            .mesh
+            .pieces_of(p)
+            .flat_map(|piece| self.mesh.corners_of(piece))
+            .map(|c| p.centre + (self.mesh.vertices[c.vertex as usize] - p.centre) * 0.9)
+            .collect();
+        self.lamps.iter().any(|&lamp| {
+            let lamp = &self.mesh.patches[lamp as usize];
+            let faces = |x: DVec3| {
+                let to_lamp = lamp.centre - x;
+                p.normal.dot(to_lamp) > 0.0 && lamp.normal.dot(to_lamp) < 0.0
+            };
+            if !faces(p.centre) {
+                return false;
+            }
+            let mut seen = corners.iter().map(|&c| faces(c) && self.rays.visible(c, lamp.centre));
+            let first = seen.next();
+            seen.any(|s| Some(s) != first)
+        })
+    }
+
+    /// Points that stand for a patch with their shares of it: 2 x 2 Gauss points of a quadrilateral,
+    /// else the middles of the triangles that its pieces fan into, at most 8.
+    pub fn receiving_points(&self, patch: u32) -> Vec<(DVec3, f64)> {
+        let p = &self.mesh.patches[patch as usize];
+        let polygons: Vec<Vec<DVec3>> =
+            self.mesh.pieces_of(p).map(|piece| self.mesh.polygon(piece, p.side)).collect();
+        if let [quad] = polygons.as_slice()
+            && let &[a, b, c, d] = quad.as_slice()
+        {
+            const NEAR: f64 = 0.211_324_865_405_187_13;
+            let at = |s: f64, t: f64| {
+                a * (1.0 - s) * (1.0 - t) + b * s * (1.0 - t) + c * s * t + d * (1.0 - s) * t
+            };
+            return [(NEAR, NEAR), (1.0 - NEAR, NEAR), (1.0 - NEAR, 1.0 - NEAR), (NEAR, 1.0 - NEAR)]
+                .map(|(s, t)| (at(s, t), 0.25))
+                .to_vec();
+        }
+        let mut points: Vec<(DVec3, f64)> = Vec::new();
+        for polygon in &polygons {
+            for k in 1..polygon.len() - 1 {
+                let triangle = [polygon[0], polygon[k], polygon[k + 1]];
+                let area = crate::geometry::polygon::area_vector(&triangle).length();
+                points.push(((triangle[0] + triangle[1] + triangle[2]) / 3.0, area));
+            }
+        }
+        points.sort_by(|a, b| b.1.total_cmp(&a.1));
+        points.truncate(8);
+        let total: f64 = points.iter().map(|p| p.1).sum();
+        if total <= 0.0 {
+            return vec![(p.centre, 1.0)];
+        }
+        points.iter().map(|&(x, area)| (x, area / total)).collect()
+    }
+
+    /// Form factors from a free point with a unit normal to every patch, in rising order of patches.
+    ///
+    /// The point is lifted along its normal by 1e-5 of the scene's size: files give points to a few
+    /// digits, and one that lies on a surface must not fall behind it.
+    pub fn point(&self, point: DVec3, normal: DVec3, scratch: &mut RowScratch, visit: impl FnMut(u32, f64)) {
+        let point = point + normal * (1e-5 * self.mesh.size);
+        if self.visibility {
+            self.gather(point, Frame::around(normal), turn_of(0) + 0.118_033_989, false, scratch);
+        } else {
+            self.gather_unoccluded(point, normal, scratch);
+        }
+        scratch.row.drain(visit);
+    }
+
+    fn gather(&self, point: DVec3, frame: Frame, turn: f64, lamp: bool, scratch: &mut RowScratch) {
+        match &self.sampler {
+            Sampler::Lines(fan, finer) => {
+                let fan = if lamp { finer } else { fan };
+                scratch.lines.gather(&self.occluders, fan, point, &frame, turn, &mut scratch.row);
+                for &region in scratch.lines.missed() {
+                    self.add_by_rays(region, point, frame.normal, &mut scratch.row);
+                }
+            }
+            Sampler::Hemicube(cube) => {
+                cube.gather(&mut scratch.hemicube, &self.mesh, point, &frame, &mut scratch.row);
+            }
+            Sampler::Rays(count) => self.rays.gather(*count, point, &frame, turn, &mut scratch.row),
+        }
+    }
+
+    /// A lamp so small that it fell between two lines: its patches by closed form and one ray each.
+    fn add_by_rays(&self, region: u32, point: DVec3, normal: DVec3, row: &mut RowBuffer) {
+        for index in self.patches_of(region) {
+            let patch = &self.mesh.patches[index as usize];
+            if patch.luminaire.is_some()
+                && patch.normal.dot(point - patch.centre) > 0.0
+                && self.rays.visible(point, patch.centre)
+            {
+                row.add(index, self.unoccluded(point, normal, index));
+            }
+        }
+    }
+
+    fn patches_of(&self, region: u32) -> Vec<u32> {
+        let pieces = self.mesh.regions[region as usize].pieces.clone();
+        let mut patches: Vec<u32> = pieces
+            .flat_map(|p| self.mesh.pieces[p as usize].patches)
+            .filter(|&p| p != crate::mesh::NO_PATCH)
+            .collect();
+        patches.sort_unstable();
+        patches.dedup();
+        patches
+    }
+
+    fn gather_unoccluded(&self, point: DVec3, normal: DVec3, scratch: &mut RowScratch) {
+        let contact = self.occluders.contact();
+        for (index, patch) in self.mesh.patches.iter().enumerate() {
+            if patch.normal.dot(point - patch.centre) > contact {
+                let value = self.unoccluded(point, normal, index as u32);
+                if value > 0.0 {
+                    scratch.row.add(index as u32, value);
+                }
+            }
+        }
+    }
+
+    /// Closed form from a point to a whole patch.
+    pub fn unoccluded(&self, point: DVec3, normal: DVec3, patch: u32) -> f64 {
+        let patch = &self.mesh.patches[patch as usize];
+        self.mesh
+            .pieces_of(patch)
+            .map(|piece| point_to_polygon(point, normal, &self.mesh.polygon(piece, Side::Front)))
+            .sum()
+    }
+
+    /// A frame that turns with the patch's own surface.
+    fn frame(&self, patch: u32) -> Frame {
+        let p = &self.mesh.patches[patch as usize];
+        let region = &self.mesh.regions[p.region as usize];
+        Frame::along(p.normal, region.frame.tangent)
+    }
+}
+
+/// A turn of the sampling pattern that differs from patch to patch: the golden ratio's multiples.
+fn turn_of(patch: u32) -> f64 {
+    (0.5 + 0.618_033_988_749_894_9 * f64::from(patch)).fract()
+}

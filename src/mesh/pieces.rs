@@ -1,0 +1,304 @@
+//! Regions cut into pieces along their grid and along the lines where other surfaces stand on them.
+
+use super::regions::{Outline, Welder};
+use super::types::{PatchMesh, Piece, PieceCorner, Region};
+use crate::geometry::{Aabb, polygon};
+use glam::{DVec2, DVec3};
+use std::collections::HashMap;
+
+/// A convex polygon on its way to becoming a [`Piece`].
+#[derive(Clone)]
+pub(super) struct Cut {
+    pub(super) part: usize,
+    pub(super) cell: u32,
+    /// Which side of each contact line it lies on, as a hash; cuts that differ are never one patch.
+    pub(super) sides: u64,
+    pub(super) corners: Vec<DVec2>,
+}
+
+/// The grid of a region.
+#[derive(Clone, Copy)]
+pub(super) struct Grid {
+    pub(super) min: DVec2,
+    pub(super) cell: DVec2,
+    pub(super) cells: [u32; 2],
+}
+
+impl Grid {
+    /// Square-like cells with edges of at most `size`.
+    pub(super) fn new(outline: &Outline, size: f64) -> Self {
+        let extent = outline.max - outline.min;
+        let count = |length: f64| ((length / size - 1e-6).ceil().max(1.0) as u32).min(4096);
+        let cells = [count(extent.x), count(extent.y)];
+        let cell = DVec2::new(extent.x / f64::from(cells[0]), extent.y / f64::from(cells[1]));
+        Self { min: outline.min, cell: cell.max(DVec2::splat(1e-300)), cells }
+    }
+}
+
+/// Cuts every part of the region along the grid and the contact lines.
+pub(super) fn cut(outline: &Outline, grid: &Grid, contacts: &[[DVec2; 2]]) -> Vec<Cut> {
+    let mut cuts = Vec::new();
+    let mut strip = Vec::new();
+    let (mut a, mut b) = (Vec::new(), Vec::new());
+    let tiny = 1e-10 * grid.cell.x * grid.cell.y;
+    for (part_index, part) in outline.parts.iter().enumerate() {
+        let (min, max) = extent(&part.corners);
+        let columns = span(min.x, max.x, grid.min.x, grid.cell.x, grid.cells[0]);
+        for i in columns {
+            // Both neighbours clip the whole part at the same line, so that their corners agree.
+            let low = grid.min.x + f64::from(i) * grid.cell.x;
+            let high = grid.min.x + f64::from(i + 1) * grid.cell.x;
+            polygon::clip_2d(&part.corners, DVec2::X, if i == 0 { f64::MAX } else { -low }, &mut a);
+            let last = i + 1 == grid.cells[0];
+            polygon::clip_2d(&a, DVec2::NEG_X, if last { f64::MAX } else { high }, &mut strip);
+            if strip.len() < 3 {
+                continue;
+            }
+            let (low_v, high_v) = extent(&strip);
+            for j in span(low_v.y, high_v.y, grid.min.y, grid.cell.y, grid.cells[1]) {
+                let low = grid.min.y + f64::from(j) * grid.cell.y;
+                let high = grid.min.y + f64::from(j + 1) * grid.cell.y;
+                polygon::clip_2d(&strip, DVec2::Y, if j == 0 { f64::MAX } else { -low }, &mut a);
+                let last = j + 1 == grid.cells[1];
+                polygon::clip_2d(&a, DVec2::NEG_Y, if last { f64::MAX } else { high }, &mut b);
+                if b.len() < 3 || polygon::area_2d(&b) <= tiny {
+                    continue;
+                }
+                let cell = i + j * grid.cells[0];
+                cuts.push(Cut { part: part_index, cell, sides: 0, corners: b.clone() });
+            }
+        }
+    }
+    if !contacts.is_empty() {
+        cuts = split_at_contacts(cuts, grid, contacts);
+    }
+    cuts.sort_by_key(|c| c.cell);
+    cuts
+}
+
+fn split_at_contacts(cuts: Vec<Cut>, grid: &Grid, contacts: &[[DVec2; 2]]) -> Vec<Cut> {
+    let mut by_cell: HashMap<u32, Vec<[DVec2; 2]>> = HashMap::new();
+    for &[p, q] in contacts {
+        let (min, max) = extent(&[p, q]);
+        for j in span(min.y, max.y, grid.min.y, grid.cell.y, grid.cells[1]) {
+            for i in span(min.x, max.x, grid.min.x, grid.cell.x, grid.cells[0]) {
+                by_cell.entry(i + j * grid.cells[0]).or_default().push([p, q]);
+            }
+        }
+    }
+    let slack = 1e-6 * grid.cell.min_element();
+    let mut result = Vec::new();
+    for cut in cuts {
+        let mut pending = vec![cut];
+        for (line, &[p, q]) in by_cell.get(&pending[0].cell).into_iter().flatten().enumerate() {
+            let mut next = Vec::new();
+            for cut in pending {
+                let normal = (q - p).perp().normalize_or_zero();
+                let offset = -normal.dot(p);
+                let heights = cut.corners.iter().map(|&c| normal.dot(c) + offset);
+                let (low, high) =
+                    heights.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), x| (l.min(x), h.max(x)));
+                if low > -slack || high < slack || !crosses(&cut.corners, p, q, slack) {
+                    next.push(cut);
+                    continue;
+                }
+                for (bit, sign) in [(1_u64, 1.0), (2, -1.0)] {
+                    let mut corners = Vec::new();
+                    polygon::clip_2d(&cut.corners, normal * sign, offset * sign, &mut corners);
+                    if corners.len() >= 3 && polygon::area_2d(&corners) > slack * slack {
+                        let sides = cut.sides ^ (bit + 4 * line as u64).wrapping_mul(0x9E37_79B9_7F4A_7C15);
+                        next.push(Cut { corners, sides, ..cut.clone() });
+                    }
+                }
+            }
+            pending = next;
+            if pending.is_empty() {
+                break;
+            }
+        }
+        result.extend(pending);
+    }
+    result
+}
+
+/// Whether the segment from `p` to `q` runs through the inside of a convex polygon for more than `slack`.
+fn crosses(corners: &[DVec2], p: DVec2, q: DVec2, slack: f64) -> bool {
+    let (mut from, mut to) = (0.0_f64, 1.0_f64);
+    let n = corners.len();
+    for i in 0..n {
+        let (a, b) = (corners[i], corners[(i + 1) % n]);
+        let inward = (b - a).perp();
+        let (fp, fq) = (inward.dot(p - a), inward.dot(q - a));
+        if fp < 0.0 && fq < 0.0 {
+            return false;
+        }
+        if fp < 0.0 {
+            from = from.max(fp / (fp - fq));
+        } else if fq < 0.0 {
+            to = to.min(fp / (fp - fq));
+        }
+    }
+    (to - from) * (q - p).length() > slack
+}
+
+fn extent(corners: &[DVec2]) -> (DVec2, DVec2) {
+    corners.iter().fold((DVec2::INFINITY, DVec2::NEG_INFINITY), |(min, max), &c| (min.min(c), max.max(c)))
+}
+
+/// Indices of the grid cells that an interval overlaps by more than a sliver.
+fn span(low: f64, high: f64, min: f64, cell: f64, count: u32) -> std::ops::Range<u32> {
+    let last = f64::from(count - 1);
+    let first = ((low - min) / cell + 1e-7).floor().clamp(0.0, last) as u32;
+    let end = ((high - min) / cell - 1e-7).floor().clamp(0.0, last) as u32;
+    first..end.max(first) + 1
+}
+
+/// Segments of other regions' outlines that lie in the plane of each region and are long enough
+/// to matter for patches of edge `size`.
+pub(super) fn contacts(outlines: &[Outline], size: f64, scene_size: f64) -> Vec<Vec<[DVec2; 2]>> {
+    const CELLS: f64 = 24.0;
+    let tolerance = 1e-6 * scene_size;
+    let bounds = outlines.iter().fold(Aabb::EMPTY, |sum, o| sum.union(o.bounds));
+    let step = (bounds.size() / CELLS).max(DVec3::splat(1e-9 * scene_size.max(f64::MIN_POSITIVE)));
+    let cell_of =
+        |p: DVec3| ((p - bounds.min) / step).clamp(DVec3::ZERO, DVec3::splat(CELLS - 1.0)).as_uvec3();
+    let cells_between = |low: DVec3, high: DVec3| {
+        let (a, b) = (cell_of(low), cell_of(high));
+        (a.x..=b.x).flat_map(move |x| (a.y..=b.y).flat_map(move |y| (a.z..=b.z).map(move |z| [x, y, z])))
+    };
+    let mut segments: Vec<(u32, DVec3, DVec3)> = Vec::new();
+    let mut grid: HashMap<[u32; 3], Vec<u32>> = HashMap::new();
+    for (owner, outline) in outlines.iter().enumerate() {
+        for edge in &outline.edges {
+            let [p, q] = edge.map(|c| outline.world(c));
+            if p.distance(q) < 0.35 * size {
+                continue;
+            }
+            let index = segments.len() as u32;
+            segments.push((owner as u32, p, q));
+            for cell in cells_between(p.min(q) - tolerance, p.max(q) + tolerance) {
+                grid.entry(cell).or_default().push(index);
+            }
+        }
+    }
+    outlines
+        .iter()
+        .enumerate()
+        .map(|(index, outline)| {
+            let (low, high) = (outline.bounds.min - tolerance, outline.bounds.max + tolerance);
+            let mut near: Vec<u32> =
+                cells_between(low, high).filter_map(|cell| grid.get(&cell)).flatten().copied().collect();
+            near.sort_unstable();
+            near.dedup();
+            let mut found: Vec<[DVec2; 2]> = Vec::new();
+            for s in near {
+                let (owner, p, q) = segments[s as usize];
+                let (a, b) =
+                    (outline.frame.local(p - outline.origin), outline.frame.local(q - outline.origin));
+                if owner == index as u32 || a.z.abs() > tolerance || b.z.abs() > tolerance {
+                    continue;
+                }
+                let (a, b) = (DVec2::new(a.x, a.y), DVec2::new(b.x, b.y));
+                let again = found.iter().any(|[c, d]| {
+                    (c.distance(a) < tolerance && d.distance(b) < tolerance)
+                        || (c.distance(b) < tolerance && d.distance(a) < tolerance)
+                });
+                if !again
+                    && a.min(b).cmplt(outline.max - tolerance).all()
+                    && a.max(b).cmpgt(outline.min + tolerance).all()
+                {
+                    found.push([a, b]);
+                }
+            }
+            found
+        })
+        .collect()
+}
+
+/// Appends a region, its pieces and its cell lists to the mesh; patches are not assigned yet.
+pub(super) fn append(mesh: &mut PatchMesh, outline: &Outline, grid: &Grid, cuts: &[Cut]) {
+    let region = mesh.regions.len() as u32;
+    let first_piece = mesh.pieces.len() as u32;
+    let mut welder = Welder::new(1e-7 * grid.cell.min_element());
+    let mut vertex_of: Vec<u32> = Vec::new();
+    for cut in cuts {
+        let part = &outline.parts[cut.part];
+        let first_corner = mesh.corners.len() as u32;
+        for &plane in &cut.corners {
+            let local = welder.index(plane.extend(0.0)) as usize;
+            if local == vertex_of.len() {
+                vertex_of.push(mesh.vertices.len() as u32);
+                mesh.vertices.push(outline.world(plane));
+            }
+            let (normal, uv) = part.attributes.at(plane, outline.frame.normal);
+            mesh.corners.push(PieceCorner { vertex: vertex_of[local], plane, normal, uv });
+        }
+        mesh.pieces.push(Piece {
+            region,
+            surface: part.surface,
+            corners: first_corner..mesh.corners.len() as u32,
+            patches: [super::NO_PATCH; 2],
+            area: polygon::area_2d(&cut.corners),
+        });
+    }
+    let first_cell = mesh.cell_pieces.len() as u32;
+    let mut cursor = 0;
+    for cell in 0..grid.cells[0] * grid.cells[1] {
+        let start = mesh.piece_lists.len() as u32;
+        while cursor < cuts.len() && cuts[cursor].cell == cell {
+            mesh.piece_lists.push(first_piece + cursor as u32);
+            cursor += 1;
+        }
+        mesh.cell_pieces.push(start..mesh.piece_lists.len() as u32);
+    }
+    mesh.regions.push(Region {
+        origin: outline.origin,
+        frame: outline.frame,
+        edges: outline.edges.clone(),
+        grid_min: grid.min,
+        cell_size: grid.cell,
+        cells: grid.cells,
+        first_cell,
+        pieces: first_piece..mesh.pieces.len() as u32,
+        material: outline.material,
+        object: outline.object,
+        bounds: outline.bounds,
+        area: outline.area,
+    });
+}
+
+/// As [`append`], for parts that stay whole whatever the grid: every cell lists all parts that overlap it.
+pub(super) fn append_as_given(mesh: &mut PatchMesh, outline: &Outline) {
+    let average = (outline.area / outline.parts.len() as f64).sqrt();
+    let mut grid = Grid::new(outline, average);
+    let cuts: Vec<Cut> = (0..outline.parts.len())
+        .map(|part| Cut { part, cell: 0, sides: 0, corners: outline.parts[part].corners.clone() })
+        .collect();
+    let whole = Grid { cells: [1, 1], ..grid };
+    append(mesh, outline, &whole, &cuts);
+    let Some(region) = mesh.regions.last_mut() else { return };
+
+    // Replace the single cell by the grid.
+    mesh.cell_pieces.truncate(region.first_cell as usize);
+    mesh.piece_lists.truncate(mesh.piece_lists.len() - cuts.len());
+    if cuts.len() == 1 {
+        grid.cells = [1, 1];
+        grid.cell = outline.max - outline.min;
+    }
+    let mut lists = vec![Vec::new(); (grid.cells[0] * grid.cells[1]) as usize];
+    for (k, part) in outline.parts.iter().enumerate() {
+        let (min, max) = extent(&part.corners);
+        for j in span(min.y, max.y, grid.min.y, grid.cell.y, grid.cells[1]) {
+            for i in span(min.x, max.x, grid.min.x, grid.cell.x, grid.cells[0]) {
+                lists[(i + j * grid.cells[0]) as usize].push(region.pieces.start + k as u32);
+            }
+        }
+    }
+    for list in lists {
+        let start = mesh.piece_lists.len() as u32;
+        mesh.piece_lists.extend(list);
+        mesh.cell_pieces.push(start..mesh.piece_lists.len() as u32);
+    }
+    region.cell_size = grid.cell.max(DVec2::splat(1e-300));
+    region.cells = grid.cells;
+}

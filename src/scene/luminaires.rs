@@ -1,0 +1,403 @@
+//! Emitting surfaces gathered into lamps that a person recognises.
+
+use super::colour::{black_body, normalised};
+use super::error::SceneError;
+use super::names;
+use super::sidecar::{EmitsKey, LuminaireEntry, Sidecar, Source};
+use super::types::{LUMINOUS_EFFICACY, LampState, Luminaire, Material, Scene, Surface, luminance_weighted};
+use crate::geometry::polygon;
+use glam::DVec3;
+use std::collections::{BTreeMap, HashMap, HashSet};
+
+/// The parts of a scene that lamps are made of.
+pub(super) struct Parts<'a> {
+    pub(super) positions: &'a [DVec3],
+    pub(super) objects: &'a [String],
+    pub(super) materials: &'a [Material],
+    /// Exitance of each material by its Ke, W/m² per band.
+    pub(super) exitance: &'a [[f64; 3]],
+}
+
+/// Makes the lamps: first those of the sidecar, in its order, then one for each object and emitting
+/// material that no entry takes. Marks the surfaces that belong to them.
+pub(super) fn gather(
+    parts: &Parts<'_>,
+    surfaces: &mut [Surface],
+    normals: &mut Vec<DVec3>,
+    sidecar: Option<(&Sidecar, Source<'_>)>,
+) -> Result<Vec<Luminaire>, SceneError> {
+    let mut luminaires = Vec::new();
+    let mut taken = HashSet::new();
+    if let Some((sidecar, source)) = sidecar {
+        for entry in &sidecar.luminaires {
+            let at = entry.span().start;
+            let entry = entry.get_ref();
+            let name = entry.display_name();
+            let fail = |fault: String| {
+                source.error_at(at, format!("the luminaire '{}' {fault}", names::short(&name)))
+            };
+            if let Some(fault) = entry.fault() {
+                return Err(fail(fault));
+            }
+            let members = members(entry, parts, surfaces).map_err(fail)?;
+            let name = if entry.name.is_some() && !taken.insert(name.clone()) {
+                return Err(fail("is there twice; names must differ".to_owned()));
+            } else if entry.name.is_some() {
+                name
+            } else {
+                names::unique(&name, &mut taken)
+            };
+            let number = luminaires.len() as u32;
+            let initial = light(entry, parts, surfaces, &members, number).map_err(|fault| {
+                source.error_at(at, format!("the luminaire '{}' {fault}", names::short(&name)))
+            })?;
+            if entry.emits == Some(EmitsKey::Back) {
+                members.iter().for_each(|&m| turn(&mut surfaces[m], normals));
+            }
+            luminaires.push(Luminaire { name, area: area(parts, surfaces, &members), initial });
+        }
+    }
+    for ((object, material), members) in unclaimed(parts, surfaces) {
+        let several = unclaimed_materials(parts, surfaces, object) > 1;
+        let name =
+            default_name(&parts.objects[object as usize], several, &parts.materials[material as usize].name);
+        let exitance = parts.exitance[material as usize];
+        for &member in &members {
+            surfaces[member].emission_weight = [1.0; 3];
+        }
+        let initial = LampState { on: true, dimmer: 1.0, exitance };
+        luminaires.push(Luminaire {
+            name: names::unique(&name, &mut taken),
+            area: area(parts, surfaces, &members),
+            initial,
+        });
+        for member in members {
+            surfaces[member].luminaire = Some(luminaires.len() as u32 - 1);
+        }
+    }
+    Ok(luminaires)
+}
+
+fn default_name(object: &str, several: bool, material: &str) -> String {
+    if several { format!("{} ({})", names::pretty(object), material) } else { names::pretty(object) }
+}
+
+/// Emitting surfaces that no lamp has yet, by object and material in order of first use.
+fn unclaimed(parts: &Parts<'_>, surfaces: &[Surface]) -> Vec<((u32, u32), Vec<usize>)> {
+    let mut order: Vec<((u32, u32), Vec<usize>)> = Vec::new();
+    let mut numbers: HashMap<(u32, u32), usize> = HashMap::new();
+    for (index, surface) in surfaces.iter().enumerate() {
+        if surface.luminaire.is_none() && emits(parts, surface) {
+            let key = (surface.object, surface.material);
+            let number = *numbers.entry(key).or_insert_with(|| {
+                order.push((key, Vec::new()));
+                order.len() - 1
+            });
+            order[number].1.push(index);
+        }
+    }
+    order
+}
+
+fn unclaimed_materials(parts: &Parts<'_>, surfaces: &[Surface], object: u32) -> usize {
+    let of_object = surfaces.iter().filter(|s| s.object == object && emits(parts, s));
+    of_object.map(|s| s.material).collect::<HashSet<_>>().len()
+}
+
+fn emits(parts: &Parts<'_>, surface: &Surface) -> bool {
+    parts.exitance[surface.material as usize].iter().any(|e| *e > 0.0)
+}
+
+fn surface_area(positions: &[DVec3], surface: &Surface) -> f64 {
+    let outline: Vec<DVec3> = surface.corners.iter().map(|c| positions[c.position as usize]).collect();
+    polygon::area_vector(&outline).length()
+}
+
+/// Emitting area: both sides count where both emit.
+fn area(parts: &Parts<'_>, surfaces: &[Surface], members: &[usize]) -> f64 {
+    members
+        .iter()
+        .map(|&m| {
+            surface_area(parts.positions, &surfaces[m]) * if surfaces[m].emits_back { 2.0 } else { 1.0 }
+        })
+        .sum()
+}
+
+/// Whether an entry's names select a surface.
+pub(super) fn selects(entry: &LuminaireEntry, object: &str, material: &str) -> bool {
+    let by_object = entry.objects().next().is_none() || entry.objects().any(|name| name == object);
+    let by_material = entry.materials().next().is_none() || entry.materials().any(|name| name == material);
+    by_object && by_material
+}
+
+/// The surfaces of an entry: of those selected and free the ones that emit, or all if none does.
+fn members(entry: &LuminaireEntry, parts: &Parts<'_>, surfaces: &[Surface]) -> Result<Vec<usize>, String> {
+    for (kind, wanted, known) in [
+        (
+            "object",
+            entry.objects().collect::<Vec<_>>(),
+            parts.objects.iter().map(String::as_str).collect::<Vec<_>>(),
+        ),
+        ("material", entry.materials().collect(), parts.materials.iter().map(|m| m.name.as_str()).collect()),
+    ] {
+        if let Some(unknown) = wanted.into_iter().find(|name| !known.contains(name)) {
+            let near = names::list(names::nearest(unknown, known));
+            let unknown = names::short(unknown);
+            return Err(format!(
+                "asks for the {kind} '{unknown}', which is not there; the nearest names are {near}"
+            ));
+        }
+    }
+    let object_hit: Vec<bool> = parts
+        .objects
+        .iter()
+        .map(|o| entry.objects().next().is_none() || entry.objects().any(|n| n == o))
+        .collect();
+    let material_hit: Vec<bool> = parts
+        .materials
+        .iter()
+        .map(|m| entry.materials().next().is_none() || entry.materials().any(|n| n == m.name))
+        .collect();
+    let selected: Vec<usize> = (0..surfaces.len())
+        .filter(|&i| object_hit[surfaces[i].object as usize] && material_hit[surfaces[i].material as usize])
+        .collect();
+    if selected.is_empty() {
+        return Err("selects no surface: no face of that object has that material".to_owned());
+    }
+    let free: Vec<usize> = selected.into_iter().filter(|&i| surfaces[i].luminaire.is_none()).collect();
+    if free.is_empty() {
+        return Err("selects only surfaces that an entry above it has taken".to_owned());
+    }
+    let emitting: Vec<usize> = free.iter().copied().filter(|&i| emits(parts, &surfaces[i])).collect();
+    Ok(if emitting.is_empty() { free } else { emitting })
+}
+
+/// Sets the emission of a lamp's surfaces and returns its state.
+///
+/// The exitance is the largest of its surfaces per band, so that all weights lie in 0..1.
+fn light(
+    entry: &LuminaireEntry,
+    parts: &Parts<'_>,
+    surfaces: &mut [Surface],
+    members: &[usize],
+    number: u32,
+) -> Result<LampState, String> {
+    let given: Vec<[f64; 3]> =
+        members.iter().map(|&m| parts.exitance[surfaces[m].material as usize]).collect();
+    let mut largest = [0.0_f64; 3];
+    for exitance in &given {
+        for band in 0..3 {
+            largest[band] = largest[band].max(exitance[band]);
+        }
+    }
+    let dark = largest == [0.0; 3];
+    for (&member, exitance) in members.iter().zip(&given) {
+        let surface = &mut surfaces[member];
+        surface.luminaire = Some(number);
+        surface.emits_back = entry.emits == Some(EmitsKey::Both);
+        for band in 0..3 {
+            // A band that no surface emits by itself is the same for all when the entry gives it one.
+            surface.emission_weight[band] =
+                if largest[band] > 0.0 { exitance[band] / largest[band] } else { 1.0 };
+        }
+    }
+    let state =
+        |exitance| LampState { on: entry.on.unwrap_or(true), dimmer: entry.dimmer.unwrap_or(1.0), exitance };
+    if let Some(exitance) = entry.exitance {
+        return Ok(state(exitance));
+    }
+    if dark && entry.lumens.is_none() {
+        return Err("gives no strength, and its surfaces have no Ke; add lumens or exitance".to_owned());
+    }
+    let colour = match (entry.cct, entry.colour) {
+        (Some(kelvin), _) => normalised(black_body(kelvin)),
+        (_, Some(colour)) => normalised(colour),
+        _ => normalised(if dark { [1.0; 3] } else { largest }),
+    };
+    let Some(colour) = colour else { return Err("must have a colour".to_owned()) };
+    let Some(lumens) = entry.lumens else {
+        if entry.cct.is_none() && entry.colour.is_none() {
+            return Ok(state(largest));
+        }
+        let strength = luminance_weighted(largest);
+        return Ok(state(colour.map(|c| c * strength)));
+    };
+    let per_unit: f64 = members.iter().map(|&m| flux(parts.positions, &surfaces[m], colour)).sum();
+    let factor = lumens / per_unit;
+    if !factor.is_finite() {
+        return Err("cannot give that many lumens: its surfaces emit nothing in that colour".to_owned());
+    }
+    Ok(state(colour.map(|c| c * factor)))
+}
+
+/// Lumens that a surface emits when its lamp has this exitance.
+fn flux(positions: &[DVec3], surface: &Surface, exitance: [f64; 3]) -> f64 {
+    let weight = surface.emission_weight;
+    let own = [exitance[0] * weight[0], exitance[1] * weight[1], exitance[2] * weight[2]];
+    let sides = if surface.emits_back { 2.0 } else { 1.0 };
+    LUMINOUS_EFFICACY * luminance_weighted(own) * surface_area(positions, surface) * sides
+}
+
+/// Makes the back of a surface its front.
+fn turn(surface: &mut Surface, normals: &mut Vec<DVec3>) {
+    surface.corners.reverse();
+    for corner in &mut surface.corners {
+        if let Some(normal) = corner.normal {
+            normals.push(-normals[normal as usize]);
+            corner.normal = Some(normals.len() as u32 - 1);
+        }
+    }
+}
+
+/// Luminous flux of every lamp at full output and as it comes with the file, lumens.
+pub fn lumens(scene: &Scene) -> Vec<[f64; 2]> {
+    let mut sums = vec![[0.0; 2]; scene.luminaires.len()];
+    for surface in &scene.surfaces {
+        if let Some(number) = surface.luminaire {
+            let initial = &scene.luminaires[number as usize].initial;
+            sums[number as usize][0] += flux(&scene.positions, surface, initial.exitance);
+            sums[number as usize][1] += flux(&scene.positions, surface, initial.output());
+        }
+    }
+    sums
+}
+
+/// Objects and materials of each lamp's surfaces, as names.
+pub(super) fn selectors(scene: &Scene) -> Vec<(Vec<String>, Vec<String>)> {
+    let mut found = vec![(BTreeMap::new(), BTreeMap::new()); scene.luminaires.len()];
+    for surface in &scene.surfaces {
+        if let Some(number) = surface.luminaire {
+            let (objects, materials) = &mut found[number as usize];
+            objects.insert(surface.object, scene.objects[surface.object as usize].clone());
+            materials.insert(surface.material, scene.materials[surface.material as usize].name.clone());
+        }
+    }
+    found.into_iter().map(|(o, m)| (o.into_values().collect(), m.into_values().collect())).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::{Scene, SceneError, from_text};
+    use super::*;
+    use std::f64::consts::PI;
+
+    /// Two lamps of 1 m² with different Ke, a third with the material of the first, and a floor.
+    const OBJ: &str = "mtllib m.mtl\nv 0 0 0\nv 1 0 0\nv 1 0 1\nv 0 0 1\nv 0 2 0\nv 1 2 0\nv 1 2 1\nv 0 2 1\n\
+        v 0 3 0\nv 1 3 0\nv 1 3 1\nv 0 3 1\nv 0 4 0\nv 2 4 0\nv 2 4 1\nv 0 4 1\n\
+        o floor\nusemtl white\nf 4 3 2 1\no hall_lamp\nusemtl bright\nf 5 6 7 8\nusemtl dim\nf 9 10 11 12\n\
+        o desk\nusemtl bright\nf 13 14 15 16\n";
+    const MTL: &str =
+        "newmtl white\nKd 0.8 0.8 0.8\nnewmtl bright\nKd 0 0 0\nKe 4 2 1\nnewmtl dim\nKd 0 0 0\nKe 1 1 2\n";
+
+    fn scene(sidecar: &str) -> Result<Scene, SceneError> {
+        from_text("t", OBJ, MTL, Some(sidecar))
+    }
+
+    fn one(entry: &str) -> Scene {
+        scene(&format!("[[luminaire]]\n{entry}")).unwrap()
+    }
+
+    #[test]
+    fn each_object_and_emitting_material_is_a_lamp_and_radiance_becomes_exitance() {
+        let scene = from_text("t", OBJ, MTL, None).unwrap();
+        let names: Vec<&str> = scene.luminaires.iter().map(|l| l.name.as_str()).collect();
+        assert_eq!(names, ["Hall lamp (bright)", "Hall lamp (dim)", "Desk"]);
+        assert_eq!(scene.luminaires[0].initial.exitance, [4.0 * PI, 2.0 * PI, PI]);
+        assert_eq!(scene.luminaires[2].area, 2.0);
+        assert_eq!(scene.surfaces[0].luminaire, None);
+        assert_eq!(scene.surfaces[0].emission_weight, [0.0; 3]);
+        assert!(scene.surfaces[1..].iter().all(|s| s.emission_weight == [1.0; 3]));
+    }
+
+    #[test]
+    fn a_lamp_of_unlike_surfaces_keeps_their_exitances() {
+        let scene = one("object = \"hall_lamp\"\nname = \"Hall\"");
+        assert_eq!(scene.luminaires.len(), 2);
+        let exitance = scene.luminaires[0].initial.exitance;
+        for (surface, ke) in scene.surfaces[1..3].iter().zip([[4.0, 2.0, 1.0], [1.0, 1.0, 2.0]]) {
+            for band in 0..3 {
+                let own = exitance[band] * surface.emission_weight[band];
+                assert!((own - PI * ke[band]).abs() < 1e-12);
+                assert!((0.0..=1.0).contains(&surface.emission_weight[band]));
+            }
+        }
+    }
+
+    #[test]
+    fn lumens_are_the_flux_over_all_surfaces_and_both_sides() {
+        // 179 lm/W of luminance-weighted exitance: 800 lm over 2 m² of white is 2.2346 W/m² a band.
+        let scene = one("object = \"desk\"\nlumens = 800\ncolour = [3, 3, 3]");
+        let exitance = scene.luminaires[0].initial.exitance;
+        assert!(
+            (exitance[0] - 800.0 / 179.0 / 2.0).abs() < 1e-12 && exitance[0] == exitance[2],
+            "{exitance:?}"
+        );
+        for entry in [
+            "object = \"desk\"\nlumens = 800",
+            "object = \"desk\"\nlumens = 800\ncct = 2700\nemits = \"both\"",
+            "objects = [\"desk\", \"hall_lamp\"]\nlumens = 800\ncolour = [0, 1, 0.5]",
+            "material = \"white\"\nlumens = 800\ndimmer = 0.25",
+        ] {
+            let scene = one(entry);
+            let [full, initial] = lumens(&scene)[0];
+            assert!((full - 800.0).abs() < 1e-9, "{entry}: {full}");
+            assert!((initial - full * scene.luminaires[0].initial.dimmer).abs() < 1e-9);
+        }
+    }
+
+    #[test]
+    fn colour_alone_keeps_the_luminance_and_lumens_alone_keep_the_colour() {
+        let given = luminance_weighted([4.0 * PI, 2.0 * PI, PI]);
+        let scene = one("object = \"desk\"\ncolour = [0, 0, 7]");
+        let blue = scene.luminaires[0].initial.exitance;
+        assert!((luminance_weighted(blue) - given).abs() < 1e-9 && blue[0] == 0.0);
+        let scene = one("object = \"desk\"\nlumens = 100");
+        let warm = scene.luminaires[0].initial.exitance;
+        assert!((warm[0] / warm[1] - 2.0).abs() < 1e-12 && (warm[1] / warm[2] - 2.0).abs() < 1e-12);
+    }
+
+    #[test]
+    fn back_emitters_are_turned_and_states_are_kept() {
+        let front = one("object = \"desk\"");
+        let back = one("object = \"desk\"\nemits = \"back\"\non = false\ndimmer = 0.5\nexitance = [1, 2, 3]");
+        let normal = |scene: &Scene| polygon::area_vector(&scene.polygon(&scene.surfaces[3]));
+        assert_eq!(normal(&front), -normal(&back));
+        assert_eq!(
+            back.luminaires[0].initial,
+            LampState { on: false, dimmer: 0.5, exitance: [1.0, 2.0, 3.0] }
+        );
+        assert!(!back.surfaces[3].emits_back);
+    }
+
+    #[test]
+    fn a_lamp_that_matches_nothing_names_its_line_and_the_nearest_names() {
+        for (entry, expected) in [
+            (
+                "object = \"dsk\"",
+                "t.toml, line 2: the luminaire 'Dsk' asks for the object 'dsk', which is not there; the nearest names are 'desk'",
+            ),
+            ("material = \"brigt\"", "the nearest names are 'bright'"),
+            ("object = \"floor\"\nmaterial = \"dim\"", "selects no surface"),
+            ("object = \"floor\"", "add lumens or exitance"),
+            (
+                "object = \"desk\"\n[[luminaire]]\nmaterials = [\"bright\"]\nobject = \"desk\"",
+                "line 4: the luminaire 'Desk' selects only surfaces",
+            ),
+            (
+                "object = \"desk\"\nname = \"a\"\n[[luminaire]]\nobject = \"hall_lamp\"\nname = \"a\"",
+                "is there twice",
+            ),
+            ("name = \"a\"", "must name an object or a material"),
+            ("object = \"desk\"\nlumens = 1\nexitance = [1, 1, 1]", "both lumens and exitance"),
+            ("object = \"desk\"\ncct = 500", "between 1000 and 40000"),
+            ("object = \"desk\"\ncct = nan", "between 1000 and 40000"),
+            ("object = \"desk\"\nlumens = -1", "lumens of 0 or more"),
+            ("object = \"desk\"\nlumens = inf", "lumens of 0 or more"),
+            ("object = \"desk\"\ndimmer = 1.5", "dimmer between 0 and 1"),
+            ("object = \"desk\"\ncolour = [0, 0, 0]", "not all 0"),
+        ] {
+            let message = scene(&format!("\n[[luminaire]]\n{entry}")).expect_err(entry).to_string();
+            assert!(message.contains(expected), "{entry}: {message}");
+        }
+    }
+}

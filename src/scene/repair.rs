@@ -1,0 +1,525 @@
+//! Polygons of a file made fit for light: each planar, simple and of some area, and there once.
+//! Whatever is dropped or changed is counted and named by object.
+
+use super::names;
+use super::obj::{Face, Obj};
+use super::types::{Corner, Finding, Severity, Surface};
+use crate::geometry::{Frame, polygon};
+use glam::{DVec2, DVec3};
+use std::collections::HashMap;
+
+/// How far corners may lie apart along the normal, relative to the polygon's size.
+const FLATNESS: f64 = 1e-3;
+/// Below this ratio of area to squared size a polygon is a line.
+const THINNEST: f64 = 1e-9;
+/// Outlines with more corners are cut into triangles without a search for crossings.
+const LONGEST_SEARCH: usize = 2048;
+/// Normals within this cosine (0.1 degrees) of the polygon's own add nothing.
+const SAME_NORMAL: f64 = 1.0 - 1.5e-6;
+
+/// Surfaces, the normals that they point to, and what was repaired.
+#[derive(Debug, Default)]
+pub(super) struct Repaired {
+    pub(super) surfaces: Vec<Surface>,
+    pub(super) normals: Vec<DVec3>,
+    pub(super) findings: Vec<Finding>,
+}
+
+/// Object numbers of the faces that met the same fate.
+#[derive(Default)]
+struct Tally(Vec<u32>);
+
+impl Tally {
+    fn report(&self, objects: &[String], severity: Severity, what: &str, findings: &mut Vec<Finding>) {
+        let count = self.0.len();
+        if count == 0 {
+            return;
+        }
+        let place = names::list(self.0.iter().map(|&o| objects[o as usize].as_str()));
+        findings.push(Finding { severity, message: format!("{what} ({count}, in {place})"), count });
+    }
+}
+
+/// Makes surfaces of faces. `positions` are in metres; `emits` tells which materials emit.
+pub(super) fn repair(obj: &Obj, positions: &[DVec3], emits: &[bool]) -> Repaired {
+    let mut shop = Workshop::new(positions, obj);
+    for face in &obj.faces {
+        shop.admit(face);
+    }
+    shop.drop_duplicates(emits);
+    shop.finish()
+}
+
+struct Workshop<'a> {
+    positions: &'a [DVec3],
+    obj: &'a Obj,
+    surfaces: Vec<Surface>,
+    normals: Vec<DVec3>,
+    /// Number in `normals` of a normal of the file, and whether it was turned round.
+    normal_numbers: HashMap<(u32, bool), u32>,
+    repeated: Tally,
+    flat: Tally,
+    bent: Tally,
+    crossed: Tally,
+    mangled: Tally,
+    bad_normals: Tally,
+    turned_normals: Tally,
+    twice: Tally,
+    two_sided: Tally,
+    contested: Tally,
+}
+
+impl<'a> Workshop<'a> {
+    fn new(positions: &'a [DVec3], obj: &'a Obj) -> Self {
+        Self {
+            positions,
+            obj,
+            surfaces: Vec::with_capacity(obj.faces.len()),
+            normals: Vec::new(),
+            normal_numbers: HashMap::new(),
+            repeated: Tally::default(),
+            flat: Tally::default(),
+            bent: Tally::default(),
+            crossed: Tally::default(),
+            mangled: Tally::default(),
+            bad_normals: Tally::default(),
+            turned_normals: Tally::default(),
+            twice: Tally::default(),
+            two_sided: Tally::default(),
+            contested: Tally::default(),
+        }
+    }
+
+    fn at(&self, corner: &(u32, Option<u32>, Option<u32>)) -> DVec3 {
+        self.positions[corner.0 as usize]
+    }
+
+    fn admit(&mut self, face: &Face) {
+        let corners = without_repetitions(&face.corners);
+        if corners.len() < face.corners.len() {
+            self.repeated.0.push(face.object);
+        }
+        let outline: Vec<DVec3> = corners.iter().map(|c| self.at(c)).collect();
+        let Some((normal, size)) = plane(&outline) else {
+            // A figure of eight has no area in sum and may have some in its halves.
+            self.admit_crossed(face, &corners, &outline);
+            return;
+        };
+        let frame = Frame::around(normal);
+        let flat: Vec<DVec2> = outline.iter().map(|&p| in_plane(&frame, p - outline[0])).collect();
+        let heights = outline.iter().map(|&p| (p - outline[0]).dot(normal));
+        let (low, high) = heights.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), z| (l.min(z), h.max(z)));
+        let is_bent = high - low > FLATNESS * size;
+        let is_crossed = !is_bent && !is_simple(&corners, &flat);
+        if !is_bent && !is_crossed {
+            self.push(face, &corners, normal);
+            return;
+        }
+        if is_bent { &mut self.bent } else { &mut self.crossed }.0.push(face.object);
+        let filled = self.push_triangles(face, &corners, &outline, &flat, normal);
+        let area = polygon::area_vector(&outline).length();
+        if is_crossed && (filled - area).abs() > 1e-3 * area {
+            self.crossed.0.pop();
+            self.mangled.0.push(face.object);
+        }
+    }
+
+    /// Splits an outline whose signed areas cancel, along the plane that its corners span best.
+    fn admit_crossed(&mut self, face: &Face, corners: &[(u32, Option<u32>, Option<u32>)], outline: &[DVec3]) {
+        let spanned = (corners.len() > 3).then(|| widest_plane(outline)).flatten();
+        let Some(normal) = spanned else {
+            self.flat.0.push(face.object);
+            return;
+        };
+        let frame = Frame::around(normal);
+        let flat: Vec<DVec2> = outline.iter().map(|&p| in_plane(&frame, p - outline[0])).collect();
+        let filled = self.push_triangles(face, corners, outline, &flat, normal);
+        let tally = if filled > 0.0 { &mut self.mangled } else { &mut self.flat };
+        tally.0.push(face.object);
+    }
+
+    /// Pushes the triangles of an outline and returns their area.
+    fn push_triangles(
+        &mut self,
+        face: &Face,
+        corners: &[(u32, Option<u32>, Option<u32>)],
+        outline: &[DVec3],
+        flat: &[DVec2],
+        normal: DVec3,
+    ) -> f64 {
+        let mut filled = 0.0;
+        for triangle in polygon::triangulate(flat, &[]) {
+            let [a, mut b, mut c] = triangle.map(|i| i as usize);
+            let area = polygon::area_vector(&[outline[a], outline[b], outline[c]]);
+            if area.dot(normal) < 0.0 {
+                (b, c) = (c, b);
+            }
+            if let Some((own_normal, _)) = plane(&[outline[a], outline[b], outline[c]]) {
+                self.push(face, &[corners[a], corners[b], corners[c]], own_normal);
+                filled += area.length();
+            }
+        }
+        filled
+    }
+
+    fn push(&mut self, face: &Face, corners: &[(u32, Option<u32>, Option<u32>)], normal: DVec3) {
+        let smooth = self.smooth_normals(face, corners, normal);
+        let corners = corners.iter().zip(smooth).map(|(c, n)| Corner { position: c.0, normal: n, uv: c.2 });
+        self.surfaces.push(Surface {
+            corners: corners.collect(),
+            object: face.object,
+            material: face.material,
+            luminaire: None,
+            emission_weight: [0.0; 3],
+            emits_back: false,
+        });
+    }
+
+    /// Indices of the unit normals of a smooth surface, on its front; `None` where it is flat.
+    fn smooth_normals(
+        &mut self,
+        face: &Face,
+        corners: &[(u32, Option<u32>, Option<u32>)],
+        normal: DVec3,
+    ) -> Vec<Option<u32>> {
+        let given: Option<Vec<(u32, DVec3)>> = corners
+            .iter()
+            .map(|c| c.1.map(|i| (i, self.obj.normals[i as usize].normalize_or_zero())))
+            .collect();
+        let Some(given) = given else { return vec![None; corners.len()] };
+        if given.iter().any(|(_, n)| *n == DVec3::ZERO) {
+            self.bad_normals.0.push(face.object);
+            return vec![None; corners.len()];
+        }
+        let against = given.iter().filter(|(_, n)| n.dot(normal) < 0.0).count();
+        let turn = against == given.len();
+        if turn {
+            self.turned_normals.0.push(face.object);
+        } else if against > 0 {
+            self.bad_normals.0.push(face.object);
+            return vec![None; corners.len()];
+        }
+        if given.iter().all(|(_, n)| n.dot(normal).abs() > SAME_NORMAL) {
+            return vec![None; corners.len()];
+        }
+        let normals = &mut self.normals;
+        given
+            .into_iter()
+            .map(|(i, n)| {
+                Some(*self.normal_numbers.entry((i, turn)).or_insert_with(|| {
+                    normals.push(if turn { -n } else { n });
+                    normals.len() as u32 - 1
+                }))
+            })
+            .collect()
+    }
+
+    /// Of surfaces over the same corners one is kept, unless they differ in side and material.
+    fn drop_duplicates(&mut self, emits: &[bool]) {
+        let mut first_over: HashMap<Vec<u32>, usize> = HashMap::with_capacity(self.surfaces.len());
+        let mut keep = vec![true; self.surfaces.len()];
+        for index in 0..self.surfaces.len() {
+            let surface = &self.surfaces[index];
+            let mut key: Vec<u32> = surface.corners.iter().map(|c| c.position).collect();
+            key.sort_unstable();
+            let slot = first_over.entry(key).or_insert(index);
+            let first = *slot;
+            if first == index {
+                continue;
+            }
+            let same_side = self.normal_of(first).dot(self.normal_of(index)) > 0.0;
+            let (kept, object) = (&self.surfaces[first], surface.object);
+            if kept.material == surface.material {
+                keep[index] = false;
+                if same_side { &mut self.twice } else { &mut self.two_sided }.0.push(object);
+            } else if same_side {
+                // Two materials on one side cannot both be seen: the lamp wins, else the first.
+                let lamp_is_later = emits[surface.material as usize] && !emits[kept.material as usize];
+                let dropped = if lamp_is_later { first } else { index };
+                keep[dropped] = false;
+                self.contested.0.push(self.surfaces[dropped].object);
+                if lamp_is_later {
+                    *slot = index;
+                }
+            }
+        }
+        let mut keep = keep.into_iter();
+        self.surfaces.retain(|_| keep.next().unwrap_or(true));
+    }
+
+    fn normal_of(&self, index: usize) -> DVec3 {
+        let corners = &self.surfaces[index].corners;
+        let outline: Vec<DVec3> = corners.iter().map(|c| self.positions[c.position as usize]).collect();
+        polygon::area_vector(&outline)
+    }
+
+    fn finish(self) -> Repaired {
+        let mut findings = Vec::new();
+        let objects = &self.obj.objects;
+        let warning = Severity::Warning;
+        self.flat.report(objects, warning, "faces without an area were dropped", &mut findings);
+        self.twice.report(objects, warning, "faces that are there twice were dropped", &mut findings);
+        let what = "faces given once for each side were joined into one, which faces as the first did";
+        self.two_sided.report(objects, Severity::Note, what, &mut findings);
+        let what = "faces that lie exactly on a face of another material were dropped";
+        self.contested.report(objects, warning, what, &mut findings);
+        let what = "faces that are not planar were split into triangles";
+        self.bent.report(objects, Severity::Note, what, &mut findings);
+        let what = "faces whose outline touches itself were split into triangles";
+        self.crossed.report(objects, Severity::Note, what, &mut findings);
+        let what = "faces whose outline crosses itself were filled as well as it can be done";
+        self.mangled.report(objects, warning, what, &mut findings);
+        let what = "faces with repeated corners were cleaned of them";
+        self.repeated.report(objects, Severity::Note, what, &mut findings);
+        let what = "faces with zero or contradicting vertex normals are shaded flat";
+        self.bad_normals.report(objects, Severity::Note, what, &mut findings);
+        let what = "faces whose vertex normals oppose their corner order had the normals turned; \
+                    the corner order decides which side is the front";
+        self.turned_normals.report(objects, Severity::Note, what, &mut findings);
+        Repaired { surfaces: self.surfaces, normals: self.normals, findings }
+    }
+}
+
+/// Without corners that stand twice in a row, and without spikes (there and back again).
+fn without_repetitions(corners: &[(u32, Option<u32>, Option<u32>)]) -> Vec<(u32, Option<u32>, Option<u32>)> {
+    let mut kept: Vec<(u32, Option<u32>, Option<u32>)> = Vec::with_capacity(corners.len());
+    for &corner in corners {
+        match kept[..] {
+            [.., last] if last.0 == corner.0 => {}
+            [.., before, _] if before.0 == corner.0 => _ = kept.pop(),
+            _ => kept.push(corner),
+        }
+    }
+    // The same across the seam between the last corner and the first.
+    loop {
+        match kept[..] {
+            [first, .., last] if first.0 == last.0 => _ = kept.pop(),
+            [first, .., before, _] if before.0 == first.0 && kept.len() > 2 => kept.truncate(kept.len() - 2),
+            [_, second, .., last] if last.0 == second.0 && kept.len() > 2 => {
+                kept.remove(0);
+                kept.pop();
+            }
+            _ => return kept,
+        }
+    }
+}
+
+/// Unit normal and size (largest extent of the bounding box); `None` where there is no area.
+fn plane(outline: &[DVec3]) -> Option<(DVec3, f64)> {
+    let size = extent(outline);
+    let area = polygon::area_vector(outline);
+    let normal = area.try_normalize()?;
+    (area.length() > THINNEST * size * size).then_some((normal, size))
+}
+
+fn extent(outline: &[DVec3]) -> f64 {
+    crate::geometry::Aabb::around(outline.iter().copied()).size().length()
+}
+
+/// Normal of the widest triangle between the first corner and two others.
+fn widest_plane(outline: &[DVec3]) -> Option<DVec3> {
+    let far = outline
+        .iter()
+        .map(|&p| p - outline[0])
+        .max_by(|a, b| a.length_squared().total_cmp(&b.length_squared()))?;
+    let across = outline
+        .iter()
+        .map(|&p| far.cross(p - outline[0]))
+        .max_by(|a, b| a.length_squared().total_cmp(&b.length_squared()))?;
+    (across.length() > THINNEST * far.length_squared()).then(|| across.try_normalize()).flatten()
+}
+
+fn in_plane(frame: &Frame, offset: DVec3) -> DVec2 {
+    DVec2::new(offset.dot(frame.tangent), offset.dot(frame.bitangent))
+}
+
+/// Whether an outline neither touches nor crosses itself.
+fn is_simple(corners: &[(u32, Option<u32>, Option<u32>)], flat: &[DVec2]) -> bool {
+    let n = flat.len();
+    if n == 3 || (n == 4 && polygon::is_convex(flat, 0.0)) {
+        return true;
+    }
+    if n > LONGEST_SEARCH {
+        return false;
+    }
+    let mut positions: Vec<u32> = corners.iter().map(|c| c.0).collect();
+    positions.sort_unstable();
+    if positions.windows(2).any(|w| w[0] == w[1]) {
+        return false;
+    }
+    let side = |a: DVec2, b: DVec2, p: DVec2| (b - a).perp_dot(p - a);
+    for i in 0..n {
+        let (a, b) = (flat[i], flat[(i + 1) % n]);
+        // Edges next to each other share a corner and cannot cross.
+        for j in i + 2..n {
+            let (c, d) = (flat[j], flat[(j + 1) % n]);
+            let adjacent = i == 0 && j == n - 1;
+            if !adjacent && side(a, b, c) * side(a, b, d) < 0.0 && side(c, d, a) * side(c, d, b) < 0.0 {
+                return false;
+            }
+        }
+    }
+    true
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn faces(positions: &[[f64; 3]], faces: &[(&[u32], u32)]) -> Repaired {
+        let positions: Vec<DVec3> = positions.iter().copied().map(DVec3::from).collect();
+        let obj = Obj {
+            positions: positions.clone(),
+            faces: faces
+                .iter()
+                .map(|(corners, material)| Face {
+                    corners: corners.iter().map(|&c| (c, None, None)).collect(),
+                    object: 0,
+                    material: *material,
+                })
+                .collect(),
+            objects: vec!["thing".to_owned()],
+            ..Obj::default()
+        };
+        repair(&obj, &positions, &[false, true])
+    }
+
+    fn area(positions: &[[f64; 3]], repaired: &Repaired) -> f64 {
+        let outline = |s: &Surface| -> Vec<DVec3> {
+            s.corners.iter().map(|c| DVec3::from(positions[c.position as usize])).collect()
+        };
+        repaired.surfaces.iter().map(|s| polygon::area_vector(&outline(s)).length()).sum()
+    }
+
+    fn only_finding<'a>(repaired: &'a Repaired, words: &str) -> &'a Finding {
+        assert_eq!(repaired.findings.len(), 1, "{:?}", repaired.findings);
+        let finding = &repaired.findings[0];
+        assert!(
+            finding.message.contains(words) && finding.message.contains("'thing'"),
+            "{}",
+            finding.message
+        );
+        finding
+    }
+
+    const SQUARE: [[f64; 3]; 4] = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.0]];
+
+    #[test]
+    fn the_measured_left_wall_is_split_and_a_planar_one_is_not() {
+        // Cornell box measurements, millimetres: 3.2 mm out of plane.
+        let wall = [[552.8, 0.0, 0.0], [549.6, 0.0, 559.2], [556.0, 548.8, 559.2], [556.0, 548.8, 0.0]];
+        let repaired = faces(&wall, &[(&[0, 1, 2, 3], 0)]);
+        assert_eq!(repaired.surfaces.len(), 2);
+        only_finding(&repaired, "not planar");
+        let mut almost = SQUARE;
+        almost[2][2] = 5e-4;
+        let repaired = faces(&almost, &[(&[0, 1, 2, 3], 0)]);
+        assert_eq!((repaired.surfaces.len(), repaired.findings.len()), (1, 0));
+    }
+
+    #[test]
+    fn lines_and_points_are_dropped_and_counted() {
+        let corners = [[0.0, 0.0, 0.0], [1.0, 0.0, 0.0], [2.0, 0.0, 0.0], [1.0, 1e-12, 0.0]];
+        let repaired = faces(&corners, &[(&[0, 1, 2], 0), (&[0, 2, 3], 0), (&[0, 1, 0, 1], 0)]);
+        assert!(repaired.surfaces.is_empty());
+        assert_eq!(repaired.findings[0].count, 3, "{:?}", repaired.findings);
+    }
+
+    #[test]
+    fn repeated_corners_and_spikes_vanish_across_the_seam_too() {
+        for corners in [
+            &[0, 0, 1, 2, 3][..],
+            &[0, 1, 2, 3, 0],
+            &[0, 1, 2, 1, 2, 3],
+            &[3, 0, 1, 2, 1, 2],
+            &[2, 1, 2, 3, 0, 1],
+        ] {
+            let repaired = faces(&SQUARE, &[(corners, 0)]);
+            assert_eq!(repaired.surfaces.len(), 1, "{corners:?}");
+            assert_eq!(repaired.surfaces[0].corners.len(), 4, "{corners:?}");
+            assert_eq!(area(&SQUARE, &repaired), 1.0);
+            only_finding(&repaired, "repeated corners");
+        }
+    }
+
+    #[test]
+    fn of_duplicates_one_stays_and_the_first_says_which_side_is_the_front() {
+        let same = faces(&SQUARE, &[(&[0, 1, 2, 3], 0), (&[1, 2, 3, 0], 0)]);
+        assert_eq!((same.surfaces.len(), only_finding(&same, "twice").count), (1, 1));
+        let sides = faces(&SQUARE, &[(&[3, 2, 1, 0], 1), (&[0, 1, 2, 3], 1), (&[1, 2, 3, 0], 1)]);
+        assert_eq!((sides.surfaces.len(), only_finding(&sides, "each side").count), (1, 2));
+        assert_eq!(sides.surfaces[0].corners[0].position, 3);
+        let painted = faces(&SQUARE, &[(&[3, 2, 1, 0], 0), (&[0, 1, 2, 3], 1)]);
+        assert_eq!((painted.surfaces.len(), painted.findings.len()), (2, 0));
+    }
+
+    #[test]
+    fn a_lamp_wins_over_the_ceiling_that_it_lies_in() {
+        let repaired = faces(&SQUARE, &[(&[0, 1, 2, 3], 0), (&[0, 1, 2, 3], 1)]);
+        assert_eq!(repaired.surfaces.len(), 1);
+        assert_eq!(repaired.surfaces[0].material, 1);
+        only_finding(&repaired, "another material");
+    }
+
+    #[test]
+    fn a_planar_concave_polygon_stays_whole_and_a_bent_one_is_split_right() {
+        let mut arrow = [[0.0, 0.0, 0.0], [4.0, 0.0, 0.0], [4.0, 4.0, 0.0], [2.0, 2.0, 0.0], [0.0, 4.0, 0.0]];
+        let whole = faces(&arrow, &[(&[0, 1, 2, 3, 4], 0)]);
+        assert_eq!((whole.surfaces.len(), whole.findings.len()), (1, 0));
+        assert_eq!(area(&arrow, &whole), 12.0);
+        arrow[3][2] = 0.01;
+        let split = faces(&arrow, &[(&[0, 1, 2, 3, 4], 0)]);
+        assert_eq!(split.surfaces.len(), 3);
+        // A fan from the first corner would cover 20 with overlaps instead of 12.
+        assert!((area(&arrow, &split) - 12.0).abs() < 1e-3, "{}", area(&arrow, &split));
+    }
+
+    #[test]
+    fn a_figure_of_eight_is_split() {
+        let bow = [[0.0, 0.0, 0.0], [2.0, 2.0, 0.0], [2.0, 0.0, 0.0], [0.0, 3.0, 0.0]];
+        let repaired = faces(&bow, &[(&[0, 1, 2, 3], 0)]);
+        assert!(!repaired.surfaces.is_empty());
+        assert!(repaired.surfaces.iter().all(|s| s.corners.len() == 3));
+        only_finding(&repaired, "crosses itself");
+    }
+
+    #[test]
+    fn a_hole_joined_to_the_outline_by_a_seam_keeps_its_area() {
+        let frame = [
+            [0.0, 0.0, 0.0],
+            [4.0, 0.0, 0.0],
+            [4.0, 4.0, 0.0],
+            [0.0, 4.0, 0.0],
+            [1.0, 1.0, 0.0],
+            [1.0, 3.0, 0.0],
+            [3.0, 3.0, 0.0],
+            [3.0, 1.0, 0.0],
+        ];
+        let repaired = faces(&frame, &[(&[0, 1, 2, 3, 0, 4, 5, 6, 7, 4], 0)]);
+        only_finding(&repaired, "touches itself");
+        assert!((area(&frame, &repaired) - 12.0).abs() < 1e-12);
+    }
+
+    #[test]
+    fn normals_follow_the_front_and_flat_ones_are_not_kept() {
+        let positions: Vec<DVec3> = SQUARE.iter().copied().map(DVec3::from).collect();
+        let smooth = [DVec3::new(0.1, 0.0, -2.0), DVec3::new(-0.1, 0.0, -2.0), DVec3::NEG_Z * 3.0];
+        let face = |normals: [u32; 3]| Face {
+            corners: (0..3).map(|k| (k as u32, Some(normals[k]), None)).collect(),
+            object: 0,
+            material: 0,
+        };
+        let obj = Obj {
+            positions: positions.clone(),
+            normals: smooth.to_vec(),
+            faces: vec![face([0, 1, 2]), face([2, 2, 2])],
+            objects: vec!["thing".to_owned()],
+            ..Obj::default()
+        };
+        let repaired = repair(&obj, &positions, &[false]);
+        let first = repaired.surfaces[0].corners[0].normal.expect("smooth");
+        assert!(repaired.normals[first as usize].abs_diff_eq(DVec3::new(-0.1, 0.0, 2.0).normalize(), 1e-12));
+        assert!(repaired.findings.iter().any(|f| f.message.contains("oppose") && f.count == 2));
+        assert_eq!(repaired.surfaces.len(), 1, "the second lies on the first");
+    }
+}

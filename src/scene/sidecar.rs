@@ -1,0 +1,350 @@
+//! The sidecar `NAME.toml` beside `NAME.obj`: what an OBJ file cannot say.
+
+use super::error::SceneError;
+use super::mtl::repair_reflectance;
+use super::names;
+use super::types::{Finding, LengthUnit, MAX_REFLECTANCE, Material, Severity, Sides, UpAxis, View};
+use glam::DVec3;
+use serde::{Deserialize, Serialize};
+use std::collections::HashSet;
+use toml::Spanned;
+
+/// The file as it is written. Every key is optional; unknown keys are errors.
+#[derive(Clone, Debug, Default, Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct Sidecar {
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) unit: Option<UnitKey>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) up: Option<UpKey>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) start: Option<Spanned<String>>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) patch_size: Option<Spanned<f64>>,
+    #[serde(default, rename = "view", skip_serializing_if = "Vec::is_empty")]
+    pub(super) views: Vec<ViewEntry>,
+    #[serde(default, rename = "luminaire", skip_serializing_if = "Vec::is_empty")]
+    pub(super) luminaires: Vec<Spanned<LuminaireEntry>>,
+    #[serde(default, rename = "material", skip_serializing_if = "Vec::is_empty")]
+    pub(super) materials: Vec<MaterialEntry>,
+}
+
+#[derive(Clone, Copy, Debug, Deserialize, Serialize)]
+pub(super) enum UnitKey {
+    #[serde(rename = "mm")]
+    Millimetre,
+    #[serde(rename = "cm")]
+    Centimetre,
+    #[serde(rename = "m")]
+    Metre,
+    #[serde(rename = "in")]
+    Inch,
+    #[serde(rename = "ft")]
+    Foot,
+}
+
+impl From<UnitKey> for LengthUnit {
+    fn from(key: UnitKey) -> Self {
+        match key {
+            UnitKey::Millimetre => Self::Millimetre,
+            UnitKey::Centimetre => Self::Centimetre,
+            UnitKey::Metre => Self::Metre,
+            UnitKey::Inch => Self::Inch,
+            UnitKey::Foot => Self::Foot,
+        }
+    }
+}
+
+impl From<LengthUnit> for UnitKey {
+    fn from(unit: LengthUnit) -> Self {
+        match unit {
+            LengthUnit::Millimetre => Self::Millimetre,
+            LengthUnit::Centimetre => Self::Centimetre,
+            LengthUnit::Metre => Self::Metre,
+            LengthUnit::Inch => Self::Inch,
+            LengthUnit::Foot => Self::Foot,
+        }
+    }
+}
+
+#[derive(Clone, Copy, Debug, Deserialize, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub(super) enum UpKey {
+    Y,
+    Z,
+}
+
+/// A bookmark; lengths in the file's unit.
+#[derive(Clone, Debug, Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct ViewEntry {
+    pub(super) name: Spanned<String>,
+    pub(super) eye: [f64; 3],
+    pub(super) target: [f64; 3],
+    #[serde(default = "default_fov")]
+    pub(super) fov: f64,
+}
+
+fn default_fov() -> f64 {
+    60.0
+}
+
+/// A lamp: which surfaces it is made of, how strong it is, how it is switched at first.
+#[derive(Clone, Debug, Default, Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct LuminaireEntry {
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) name: Option<String>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) object: Option<String>,
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub(super) objects: Vec<String>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) material: Option<String>,
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub(super) materials: Vec<String>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) lumens: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) exitance: Option<[f64; 3]>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) colour: Option<[f64; 3]>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) cct: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) on: Option<bool>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) dimmer: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) emits: Option<EmitsKey>,
+}
+
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub(super) enum EmitsKey {
+    #[default]
+    Front,
+    Back,
+    Both,
+}
+
+/// What a material is besides what the MTL says.
+#[derive(Clone, Debug, Deserialize, Serialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct MaterialEntry {
+    pub(super) name: Spanned<String>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) reflectance: Option<[f64; 3]>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) sides: Option<SidesKey>,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub(super) enum SidesKey {
+    Auto,
+    Front,
+    Both,
+}
+
+impl From<SidesKey> for Sides {
+    fn from(key: SidesKey) -> Self {
+        match key {
+            SidesKey::Auto => Self::Auto,
+            SidesKey::Front => Self::Front,
+            SidesKey::Both => Self::Both,
+        }
+    }
+}
+
+/// A sidecar text with the name that messages use.
+#[derive(Clone, Copy)]
+pub(super) struct Source<'a> {
+    pub(super) file: &'a str,
+    pub(super) text: &'a str,
+}
+
+impl Source<'_> {
+    /// An error at a byte offset of the text.
+    pub(super) fn error_at(&self, offset: usize, message: impl Into<String>) -> SceneError {
+        let before = &self.text.as_bytes()[..offset.min(self.text.len())];
+        SceneError::line(self.file, before.iter().filter(|b| **b == b'\n').count() + 1, message)
+    }
+
+    /// Parses the text and checks every number that does not need the model.
+    pub(super) fn parse(&self) -> Result<Sidecar, SceneError> {
+        let text = self.text.strip_prefix('\u{feff}').unwrap_or(self.text);
+        let skipped = self.text.len() - text.len();
+        let sidecar: Sidecar = toml::from_str(text).map_err(|error| {
+            let message = error.message().split_whitespace().collect::<Vec<_>>().join(" ");
+            let message = message.replacen("unknown field", "unknown key", 1).replace('`', "'");
+            self.error_at(skipped + error.span().map_or(0, |span| span.start), message)
+        })?;
+        if let Some(size) = &sidecar.patch_size
+            && !(size.get_ref().is_finite() && *size.get_ref() > 0.0)
+        {
+            return Err(self.error_at(size.span().start, "patch_size must be a length in metres above 0"));
+        }
+        Ok(sidecar)
+    }
+}
+
+impl Sidecar {
+    pub(super) fn unit(&self) -> LengthUnit {
+        self.unit.map(Into::into).unwrap_or_default()
+    }
+
+    pub(super) fn up(&self) -> UpAxis {
+        match self.up {
+            Some(UpKey::Z) => UpAxis::Z,
+            _ => UpAxis::Y,
+        }
+    }
+
+    /// The bookmarks in metres; empty where there are none.
+    pub(super) fn views(&self, source: Source<'_>) -> Result<Vec<View>, SceneError> {
+        let metres = self.unit().metres();
+        let mut taken = HashSet::new();
+        let mut views = Vec::with_capacity(self.views.len());
+        for entry in &self.views {
+            let name = entry.name.get_ref();
+            let fail = |message: String| Err(source.error_at(entry.name.span().start, message));
+            if name.trim().is_empty() {
+                return fail("a view needs a name".to_owned());
+            }
+            if !taken.insert(name.clone()) {
+                return fail(format!("two views are named '{}'; names must differ", names::short(name)));
+            }
+            let (eye, target) = (DVec3::from(entry.eye) * metres, DVec3::from(entry.target) * metres);
+            if !(eye.is_finite() && target.is_finite() && eye.distance(target) > 1e-9) {
+                return fail(format!(
+                    "the view '{}' must look from one point to another",
+                    names::short(name)
+                ));
+            }
+            if !(5.0..=150.0).contains(&entry.fov) {
+                let name = names::short(name);
+                return fail(format!(
+                    "the fov of view '{name}' must lie between 5 and 150 degrees, not {}",
+                    entry.fov
+                ));
+            }
+            views.push(View { name: name.clone(), eye, target, fov_y_deg: entry.fov });
+        }
+        Ok(views)
+    }
+
+    /// Index of the view that `start` names, if it names one.
+    pub(super) fn start(&self, views: &[View], source: Source<'_>) -> Result<Option<usize>, SceneError> {
+        let Some(start) = &self.start else { return Ok(None) };
+        let wanted = start.get_ref();
+        let found = views.iter().position(|v| v.name == *wanted);
+        found
+            .or_else(|| views.iter().position(|v| v.name.eq_ignore_ascii_case(wanted)))
+            .ok_or_else(|| {
+                let known = names::list(views.iter().map(|v| v.name.as_str()));
+                let message =
+                    format!("start names the view '{}', and there are {known}", names::short(wanted));
+                source.error_at(start.span().start, message)
+            })
+            .map(Some)
+    }
+
+    /// Applies the material entries.
+    pub(super) fn apply_materials(
+        &self,
+        materials: &mut [Material],
+        source: Source<'_>,
+        findings: &mut Vec<Finding>,
+    ) -> Result<(), SceneError> {
+        for entry in &self.materials {
+            let name = entry.name.get_ref();
+            let Some(index) = materials.iter().position(|m| m.name == *name) else {
+                let near = names::nearest(name, materials.iter().map(|m| m.name.as_str()));
+                let (name, near) = (names::short(name), names::list(near));
+                let message = format!("there is no material '{name}'; the nearest names are {near}");
+                return Err(source.error_at(entry.name.span().start, message));
+            };
+            let material = &mut materials[index];
+            if let Some(reflectance) = entry.reflectance {
+                if reflectance.iter().any(|r| !r.is_finite() || *r < 0.0) {
+                    let message =
+                        format!("the reflectance of '{}' must lie between 0 and 1", names::short(name));
+                    return Err(source.error_at(entry.name.span().start, message));
+                }
+                let largest = if material.texture.is_some() { 1.0 } else { MAX_REFLECTANCE };
+                let (repaired, change) = repair_reflectance(reflectance, largest);
+                material.reflectance = repaired;
+                if let Some(change) = change {
+                    let message = format!(
+                        "material '{}' has in {} a reflectance {change}",
+                        names::short(name),
+                        source.file
+                    );
+                    findings.push(Finding { severity: Severity::Warning, message, count: 1 });
+                }
+            }
+            if let Some(sides) = entry.sides {
+                material.sides = sides.into();
+            }
+        }
+        Ok(())
+    }
+}
+
+impl LuminaireEntry {
+    /// The objects selected by name; empty selects all.
+    pub(super) fn objects(&self) -> impl Iterator<Item = &str> {
+        self.object.iter().chain(&self.objects).map(String::as_str)
+    }
+
+    /// The materials selected by name; empty selects all.
+    pub(super) fn materials(&self) -> impl Iterator<Item = &str> {
+        self.material.iter().chain(&self.materials).map(String::as_str)
+    }
+
+    /// The name that a user reads.
+    pub(super) fn display_name(&self) -> String {
+        match &self.name {
+            Some(name) => name.clone(),
+            None => names::pretty(self.objects().chain(self.materials()).next().unwrap_or_default()),
+        }
+    }
+
+    /// What is wrong with the entry by itself.
+    pub(super) fn fault(&self) -> Option<String> {
+        let finite = |values: &[f64]| values.iter().all(|v| v.is_finite() && *v >= 0.0 && *v <= 1e12);
+        let positive = |values: &[f64]| values.iter().any(|v| *v > 0.0);
+        if self.objects().next().is_none() && self.materials().next().is_none() {
+            return Some("must name an object or a material".to_owned());
+        }
+        if self.name.as_ref().is_some_and(|name| name.trim().is_empty()) {
+            return Some("has an empty name".to_owned());
+        }
+        if self.lumens.is_some() && self.exitance.is_some() {
+            return Some("has both lumens and exitance; give one".to_owned());
+        }
+        if self.colour.is_some() && self.cct.is_some() {
+            return Some("has both colour and cct; give one".to_owned());
+        }
+        if self.exitance.is_some() && (self.colour.is_some() || self.cct.is_some()) {
+            return Some("has an exitance, which holds the colour already; remove colour and cct".to_owned());
+        }
+        if self.lumens.is_some_and(|lumens| !finite(&[lumens])) {
+            return Some("must have lumens of 0 or more".to_owned());
+        }
+        if self.exitance.is_some_and(|exitance| !finite(&exitance)) {
+            return Some("must have an exitance of three numbers of 0 or more, in W/m2".to_owned());
+        }
+        if self.colour.is_some_and(|colour| !finite(&colour) || !positive(&colour)) {
+            return Some("must have a colour of three numbers of 0 or more, not all 0".to_owned());
+        }
+        if self.cct.is_some_and(|kelvin| !(1000.0..=40_000.0).contains(&kelvin)) {
+            return Some("must have a cct between 1000 and 40000 kelvin".to_owned());
+        }
+        if self.dimmer.is_some_and(|dimmer| !(0.0..=1.0).contains(&dimmer)) {
+            return Some("must have a dimmer between 0 and 1".to_owned());
+        }
+        None
+    }
+}

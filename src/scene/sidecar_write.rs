@@ -1,0 +1,228 @@
+//! Edited lamps, materials and bookmarks written back to the sidecar.
+
+use super::error::SceneError;
+use super::luminaires::{selectors, selects};
+use super::sidecar::{LuminaireEntry, MaterialEntry, Sidecar, SidesKey, Source, UpKey, ViewEntry};
+use super::types::{Lighting, Scene, Sides, UpAxis};
+use std::io;
+use std::path::Path;
+use toml::Spanned;
+
+/// The text of a sidecar that brings back the scene's views, lamps and edited materials.
+///
+/// `lighting` holds one state a luminaire; `repainted` are indices of the materials whose present
+/// reflectance is to be kept. With the text of the `existing` sidecar, its other entries stay as
+/// they are (comments do not). Lamps whose exitance was not changed keep their lumens and colour
+/// temperature.
+///
+/// # Errors
+/// Where `existing` is no sidecar of this scene.
+pub fn sidecar_text(
+    scene: &Scene,
+    lighting: &Lighting,
+    repainted: &[u32],
+    existing: Option<&str>,
+) -> Result<String, SceneError> {
+    let file = format!("{}.toml", scene.name);
+    let mut sidecar = match existing {
+        Some(text) => Source { file: &file, text }.parse()?,
+        None => Sidecar::default(),
+    };
+    let stale = || {
+        SceneError::file(&file, "the sidecar has changed since the scene was read; reload the scene first")
+    };
+    sidecar.unit = Some(scene.unit.into());
+    sidecar.up = Some(if scene.up == UpAxis::Z { UpKey::Z } else { UpKey::Y });
+    sidecar.patch_size = scene.patch_size.map(unplaced);
+    sidecar.start = scene.views.get(scene.start_view).map(|view| unplaced(view.name.clone()));
+    let units = 1.0 / scene.unit.metres();
+    sidecar.views = scene
+        .views
+        .iter()
+        .map(|view| ViewEntry {
+            name: unplaced(view.name.clone()),
+            eye: (view.eye * units).to_array(),
+            target: (view.target * units).to_array(),
+            fov: view.fov_y_deg,
+        })
+        .collect();
+
+    if sidecar.luminaires.len() > scene.luminaires.len() || !entries_fit(scene, &sidecar) {
+        return Err(stale());
+    }
+    let known = sidecar.luminaires.len();
+    for (objects, materials) in selectors(scene).into_iter().skip(known) {
+        sidecar.luminaires.push(unplaced(new_entry(objects, materials)));
+    }
+    for ((entry, luminaire), lamp) in
+        sidecar.luminaires.iter_mut().zip(&scene.luminaires).zip(&lighting.lamps)
+    {
+        let entry = entry.get_mut();
+        entry.name = Some(luminaire.name.clone());
+        entry.on = (!lamp.on).then_some(false);
+        entry.dimmer = (lamp.dimmer != 1.0).then_some(lamp.dimmer);
+        if lamp.exitance != luminaire.initial.exitance {
+            (entry.lumens, entry.colour, entry.cct) = (None, None, None);
+            entry.exitance = Some(lamp.exitance);
+        }
+    }
+
+    for material in repainted.iter().filter_map(|&index| scene.materials.get(index as usize)) {
+        let reflectance = Some(material.reflectance);
+        let mut entries = sidecar.materials.iter_mut();
+        if let Some(entry) = entries.find(|entry| *entry.name.get_ref() == material.name) {
+            entry.reflectance = reflectance;
+            continue;
+        }
+        let sides = match material.sides {
+            Sides::Auto => None,
+            Sides::Front => Some(SidesKey::Front),
+            Sides::Both => Some(SidesKey::Both),
+        };
+        sidecar.materials.push(MaterialEntry { name: unplaced(material.name.clone()), reflectance, sides });
+    }
+    toml::to_string(&sidecar)
+        .map_err(|error| SceneError::file(&file, format!("cannot be composed ({error})")))
+}
+
+/// Writes the sidecar at `path`, keeping what [`sidecar_text`] keeps of the one that is there.
+///
+/// The text is written beside it and then renamed: a failure leaves the old file as it was.
+pub fn write_sidecar(
+    path: &Path,
+    scene: &Scene,
+    lighting: &Lighting,
+    repainted: &[u32],
+) -> Result<(), SceneError> {
+    let existing = match std::fs::read(path) {
+        Ok(bytes) => Some(String::from_utf8_lossy(&bytes).into_owned()),
+        Err(error) if error.kind() == io::ErrorKind::NotFound => None,
+        Err(error) => return Err(SceneError::reading(path, &error)),
+    };
+    let text = sidecar_text(scene, lighting, repainted, existing.as_deref())?;
+    let unwritable =
+        |error: io::Error| SceneError::Unwritable { path: path.to_owned(), reason: error.to_string() };
+    let mut beside = path.as_os_str().to_owned();
+    beside.push(".part");
+    let beside = Path::new(&beside);
+    std::fs::write(beside, text).and_then(|()| std::fs::rename(beside, path)).map_err(|error| {
+        // What is left of the attempt is of no use to anyone; the error above is the one that counts.
+        let _ = std::fs::remove_file(beside);
+        unwritable(error)
+    })
+}
+
+/// A value that has no place in a text yet.
+fn unplaced<T>(value: T) -> Spanned<T> {
+    Spanned::new(0..0, value)
+}
+
+/// Whether the n-th entry selects the surfaces of the n-th lamp, as it does right after reading.
+fn entries_fit(scene: &Scene, sidecar: &Sidecar) -> bool {
+    scene.surfaces.iter().all(|surface| {
+        let entry = surface.luminaire.and_then(|number| sidecar.luminaires.get(number as usize));
+        entry.is_none_or(|entry| {
+            let object = &scene.objects[surface.object as usize];
+            selects(entry.get_ref(), object, &scene.materials[surface.material as usize].name)
+        })
+    })
+}
+
+fn new_entry(mut objects: Vec<String>, mut materials: Vec<String>) -> LuminaireEntry {
+    let mut entry = LuminaireEntry::default();
+    if objects.len() == 1 {
+        entry.object = objects.pop();
+    }
+    if materials.len() == 1 {
+        entry.material = materials.pop();
+    }
+    LuminaireEntry { objects, materials, ..entry }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::{View, from_text};
+    use super::*;
+    use glam::DVec3;
+
+    const OBJ: &str = "mtllib m.mtl\nv 0 0 0\nv 1 0 0\nv 1 0 1\nv 0 0 1\nv 0 2 0\nv 1 2 0\nv 1 2 1\nv 0 2 1\n\
+        v 0 3 0\nv 1 3 0\nv 1 3 1\nv 0 3 1\no floor\nusemtl white\nf 4 3 2 1\no hall_lamp\nusemtl bright\n\
+        f 5 6 7 8\no desk\nusemtl bright\nf 9 10 11 12\n";
+    const MTL: &str = "newmtl white\nKd 0.8 0.8 0.8\nnewmtl bright\nKd 0 0 0\nKe 4 2 1\n";
+    const SIDECAR: &str = "unit = \"in\"\nup = \"z\"\npatch_size = 0.05\n[[luminaire]]\nobject = \"desk\"\n\
+        name = \"Desk lamp\"\nlumens = 450\ncct = 2700\nemits = \"back\"\n[[material]]\nname = \"white\"\nsides = \"both\"\n";
+
+    #[test]
+    fn what_is_written_is_read_back_the_same() {
+        for sidecar in [None, Some(SIDECAR)] {
+            let mut scene = from_text("t", OBJ, MTL, sidecar).unwrap();
+            let mut lighting = scene.lighting();
+            lighting.lamps[1].on = false;
+            lighting.lamps[0].dimmer = 0.3;
+            lighting.lamps[1].exitance = [1.0, 0.1 + 0.2, 3.0];
+            scene.materials[0].reflectance = [0.1, 0.2, 0.3];
+            scene.views.push(View {
+                name: "A \"special\" corner".to_owned(),
+                eye: DVec3::new(0.1, 0.2, 0.3),
+                target: DVec3::X,
+                fov_y_deg: 75.0,
+            });
+            scene.start_view = scene.views.len() - 1;
+            let text = sidecar_text(&scene, &lighting, &[0], sidecar).unwrap();
+            let again = from_text("t", OBJ, MTL, Some(&text)).unwrap_or_else(|e| panic!("{e}\n{text}"));
+            for (lamp, wanted) in again.lighting().lamps.iter().zip(&lighting.lamps) {
+                assert_eq!((lamp.on, lamp.dimmer), (wanted.on, wanted.dimmer));
+                for band in 0..3 {
+                    assert!(
+                        (lamp.exitance[band] - wanted.exitance[band]).abs() <= 1e-12 * wanted.exitance[band]
+                    );
+                }
+            }
+            let names = |scene: &Scene| scene.luminaires.iter().map(|l| l.name.clone()).collect::<Vec<_>>();
+            assert_eq!(names(&again), names(&scene));
+            assert_eq!(again.materials[0].reflectance, [0.1, 0.2, 0.3]);
+            assert_eq!(again.materials[0].sides, scene.materials[0].sides);
+            assert_eq!((again.unit, again.up, again.patch_size), (scene.unit, scene.up, scene.patch_size));
+            assert_eq!((again.views.len(), again.start_view), (scene.views.len(), scene.start_view));
+            for (view, wanted) in again.views.iter().zip(&scene.views) {
+                assert_eq!((&view.name, view.fov_y_deg), (&wanted.name, wanted.fov_y_deg));
+                assert!(
+                    view.eye.abs_diff_eq(wanted.eye, 1e-12) && view.target.abs_diff_eq(wanted.target, 1e-12)
+                );
+            }
+            assert_eq!(again.surfaces[2].corners, scene.surfaces[2].corners, "the emitting side");
+            // Writing once more changes nothing.
+            assert_eq!(sidecar_text(&again, &again.lighting(), &[], Some(&text)).unwrap(), text);
+        }
+    }
+
+    #[test]
+    fn unchanged_lamps_keep_lumens_and_colour_temperature() {
+        let scene = from_text("t", OBJ, MTL, Some(SIDECAR)).unwrap();
+        let text = sidecar_text(&scene, &scene.lighting(), &[], Some(SIDECAR)).unwrap();
+        assert!(text.contains("lumens = 450") && text.contains("cct = 2700"), "{text}");
+        assert!(!text.contains("exitance"), "{text}");
+    }
+
+    #[test]
+    fn a_sidecar_of_another_scene_is_refused_and_a_failure_changes_nothing() {
+        let scene = from_text("t", OBJ, MTL, Some(SIDECAR)).unwrap();
+        let other = SIDECAR.replace("desk", "hall_lamp");
+        let message = sidecar_text(&scene, &scene.lighting(), &[], Some(&other)).unwrap_err().to_string();
+        assert!(message.contains("reload"), "{message}");
+
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("t.toml");
+        write_sidecar(&path, &scene, &scene.lighting(), &[]).unwrap();
+        std::fs::write(&path, SIDECAR).unwrap();
+        write_sidecar(&path, &scene, &scene.lighting(), &[]).unwrap();
+        assert!(std::fs::read_to_string(&path).unwrap().contains("cct = 2700"));
+        assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 1, "nothing else is left behind");
+        let nowhere = folder.path().join("none").join("t.toml");
+        let message = write_sidecar(&nowhere, &scene, &scene.lighting(), &[]).unwrap_err().to_string();
+        assert!(
+            message.contains("cannot be written") && message.contains("nothing was changed"),
+            "{message}"
+        );
+    }
+}

@@ -1,0 +1,66 @@
+//! The one place that decides what a request recomputes: by comparing the old state with the new.
+
+use super::worker::{State, Wanted};
+use crate::mesh::PatchMesh;
+
+/// What a request calls for, and what it came to in the end.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(super) struct Recompute {
+    /// Read the model.
+    pub(super) scene: bool,
+    /// Cut it into patches.
+    pub(super) mesh: bool,
+    /// Rows are computed differently, so that stored ones are of no use.
+    pub(super) method: bool,
+    /// Geometry came out the same, and the rows were kept.
+    pub(super) kept_rows: bool,
+    /// Rows computed.
+    pub(super) rows: usize,
+    /// Sweeps made.
+    pub(super) sweeps: usize,
+}
+
+impl Recompute {
+    /// Geometry and patch size ask for a mesh (and rows, if it differs); method and effects for rows;
+    /// reflectances and tolerance for sweeps alone, which every request makes until it converges.
+    pub(super) fn between(state: &State, wanted: &Wanted) -> Self {
+        let (old, new) = (&state.done.settings, &wanted.settings);
+        let scene = state.done.opened != wanted.opened || state.scene.is_none();
+        let method =
+            old.method != new.method || old.resolution != new.resolution || old.effects != new.effects;
+        let mesh = scene || method || state.prepared.is_none() || old.patches != new.patches;
+        Self { scene, mesh, method, ..Self::default() }
+    }
+
+    /// What was done, for the status bar.
+    pub(super) fn sentence(&self, wanted: &Wanted, seconds: f64) -> String {
+        let what = if self.scene {
+            let name = wanted.source.as_ref().map(ToString::to_string).unwrap_or_default();
+            format!("opened {name}")
+        } else if self.mesh {
+            "settings".to_owned()
+        } else {
+            "materials".to_owned()
+        };
+        let kept = if self.kept_rows { " (geometry unchanged, rows kept)" } else { "" };
+        let time = if seconds < 1.0 { format!("{:.0} ms", seconds * 1e3) } else { format!("{seconds:.1} s") };
+        format!("{what}: {} rows{kept}, {} sweeps, {time}", self.rows, self.sweeps)
+    }
+}
+
+/// Whether two meshes have the same patches in the same places, whatever their materials.
+///
+/// Every row depends on all geometry, since anything may shadow anything: a mesh that differs
+/// anywhere gets all its rows anew.
+pub(super) fn same_geometry(a: &PatchMesh, b: &PatchMesh) -> bool {
+    a.vertices == b.vertices
+        && a.patches.len() == b.patches.len()
+        && a.patch_pieces == b.patch_pieces
+        && a.pieces.len() == b.pieces.len()
+        && a.pieces.iter().zip(&b.pieces).all(|(p, q)| p.patches == q.patches && p.corners == q.corners)
+        && a.corners.iter().zip(&b.corners).all(|(p, q)| p.vertex == q.vertex)
+        && a.patches
+            .iter()
+            .zip(&b.patches)
+            .all(|(p, q)| p.region == q.region && p.side == q.side && p.centre == q.centre)
+}

@@ -1,0 +1,218 @@
+use super::balance::{Aggregates, PowerBalance};
+use super::{LightBases, SweepReport, System};
+use crate::form_factors::FormFactors;
+use crate::mesh::PatchMesh;
+use rayon::prelude::*;
+
+/// Columns handled together: the rows are read once for all of them.
+const LANES: usize = 4;
+
+/// Iterates B = E + rho F B for all columns from any start.
+///
+/// Groups of columns are independent of each other and run in parallel, each strictly in the order
+/// of the patches: the same bits whatever the thread count.
+#[derive(Clone, Debug)]
+pub struct GaussSeidel {
+    groups: Vec<Group>,
+    aggregates: Aggregates,
+    balance: PowerBalance,
+    sweep: u32,
+    row_sums: Vec<f64>,
+    /// Largest rho_i sum_j F_ij.
+    spectral_bound: f64,
+    started: std::time::Instant,
+}
+
+/// Up to [`LANES`] columns.
+#[derive(Clone, Debug)]
+struct Group {
+    columns: Vec<usize>,
+    radiosity: Vec<[f64; LANES]>,
+    irradiance: Vec<[f64; LANES]>,
+    residual: Vec<[f64; LANES]>,
+}
+
+impl GaussSeidel {
+    /// Starts from the irradiance in `start` if it has as many patches and columns, else from B = E.
+    pub fn new(
+        mesh: &PatchMesh,
+        form_factors: &FormFactors,
+        system: &System,
+        start: Option<&LightBases>,
+    ) -> Self {
+        let n = system.patches();
+        let start = start.filter(|s| s.patches == n && s.lamps == system.lamps && s.bands == system.bands);
+        let columns: Vec<usize> = (0..system.columns()).collect();
+        let groups = columns
+            .chunks(LANES)
+            .map(|columns| {
+                let radiosity = (0..n)
+                    .map(|i| {
+                        let mut b = [0.0; LANES];
+                        for (lane, &c) in columns.iter().enumerate() {
+                            let arriving =
+                                start.map_or(0.0, |s| f64::from(s.values[i * s.lamps * s.bands + c]));
+                            b[lane] = system.exitance(i, c) + system.rho(i, c) * arriving;
+                        }
+                        b
+                    })
+                    .collect();
+                let zeros = vec![[0.0; LANES]; n];
+                Group { columns: columns.to_vec(), radiosity, irradiance: zeros.clone(), residual: zeros }
+            })
+            .collect();
+        let aggregates = Aggregates::new(mesh);
+        let balance = PowerBalance::new(form_factors, system, &aggregates);
+        let row_sums: Vec<f64> = (0..n).into_par_iter().map(|i| form_factors.row_sum(i)).collect();
+        let spectral_bound = (0..n)
+            .map(|i| row_sums[i] * system.reflectance[i][..system.bands].iter().copied().fold(0.0, f64::max))
+            .fold(0.0, f64::max);
+        let mut solver = Self {
+            groups,
+            aggregates,
+            balance,
+            row_sums,
+            sweep: 0,
+            spectral_bound,
+            started: std::time::Instant::now(),
+        };
+        solver.groups.par_iter_mut().for_each(|group| group.measure(form_factors, system, &|| false));
+        solver
+    }
+
+    /// One correction and one sweep; polls `cancelled` every few rows. `None` if cancelled, with the
+    /// state somewhere on the way, still usable.
+    pub fn sweep(
+        &mut self,
+        form_factors: &FormFactors,
+        system: &System,
+        cancelled: &(dyn Fn() -> bool + Sync),
+    ) -> Option<SweepReport> {
+        let (aggregates, balance) = (&self.aggregates, &self.balance);
+        self.groups.par_iter_mut().for_each(|group| {
+            group.correct(system, aggregates, balance);
+            group.relax(form_factors, system, cancelled);
+            group.measure(form_factors, system, cancelled);
+        });
+        if cancelled() {
+            return None;
+        }
+        self.sweep += 1;
+        Some(self.report(system))
+    }
+
+    /// Where the iteration stands now.
+    pub fn report(&self, system: &System) -> SweepReport {
+        let mut report = SweepReport {
+            sweep: self.sweep,
+            seconds: self.started.elapsed().as_secs_f64(),
+            ..SweepReport::default()
+        };
+        for group in &self.groups {
+            for (lane, &column) in group.columns.iter().enumerate() {
+                let largest = group.radiosity.iter().map(|b| b[lane].abs()).fold(0.0, f64::max);
+                let residual = group.residual.iter().map(|r| r[lane].abs()).fold(0.0, f64::max);
+                if largest > 0.0 {
+                    report.residual = report.residual.max(residual / largest);
+                }
+                let output = system.output[column];
+                // One grey band stands for three.
+                let copies = if system.bands == 1 { 3.0 } else { 1.0 };
+                for i in 0..system.patches() {
+                    let power = system.areas[i] * output * copies;
+                    report.emitted += power * system.exitance(i, column);
+                    report.absorbed += power * (1.0 - system.rho(i, column)) * group.irradiance[i][lane];
+                    report.escaped += power * (1.0 - self.row_sums[i]) * group.radiosity[i][lane];
+                }
+            }
+        }
+        report.error_bound = report.residual / (1.0 - self.spectral_bound).max(1e-12);
+        report
+    }
+
+    /// The irradiance of every patch and column as it stands.
+    pub fn bases(&self, system: &System) -> LightBases {
+        let stride = system.columns();
+        let mut values = vec![0.0_f32; system.patches() * stride];
+        for group in &self.groups {
+            for (i, h) in group.irradiance.iter().enumerate() {
+                for (lane, &column) in group.columns.iter().enumerate() {
+                    values[i * stride + column] = h[lane] as f32;
+                }
+            }
+        }
+        LightBases { patches: system.patches(), lamps: system.lamps, bands: system.bands, values }
+    }
+}
+
+impl Group {
+    /// Adds the power-balance correction to the radiosities.
+    fn correct(&mut self, system: &System, aggregates: &Aggregates, balance: &PowerBalance) {
+        for (lane, &column) in self.columns.iter().enumerate() {
+            let mut power = vec![0.0; aggregates.count];
+            for (i, r) in self.residual.iter().enumerate() {
+                power[aggregates.of_patch[i] as usize] += system.areas[i] * r[lane];
+            }
+            balance.correct(column % system.bands, &mut power);
+            for (i, b) in self.radiosity.iter_mut().enumerate() {
+                // A black patch has B = E exactly; the correction is for what is reflected.
+                if system.rho(i, column) > 0.0 {
+                    b[lane] = (b[lane] + power[aggregates.of_patch[i] as usize]).max(0.0);
+                }
+            }
+        }
+    }
+
+    /// One Gauss-Seidel pass over the patches in order.
+    fn relax(&mut self, form_factors: &FormFactors, system: &System, cancelled: &(dyn Fn() -> bool + Sync)) {
+        for i in 0..system.patches() {
+            if i % 256 == 0 && cancelled() {
+                return;
+            }
+            let arriving = gather(form_factors, i, &self.radiosity);
+            for (lane, &column) in self.columns.iter().enumerate() {
+                self.radiosity[i][lane] = system.exitance(i, column) + system.rho(i, column) * arriving[lane];
+            }
+        }
+    }
+
+    /// Irradiance and residual of the radiosities as they stand.
+    fn measure(
+        &mut self,
+        form_factors: &FormFactors,
+        system: &System,
+        cancelled: &(dyn Fn() -> bool + Sync),
+    ) {
+        let columns = &self.columns;
+        let radiosity = &self.radiosity;
+        self.irradiance.par_iter_mut().zip(&mut self.residual).enumerate().with_min_len(256).for_each(
+            |(i, (irradiance, residual))| {
+                if i % 256 == 0 && cancelled() {
+                    return;
+                }
+                *irradiance = gather(form_factors, i, radiosity);
+                for (lane, &column) in columns.iter().enumerate() {
+                    residual[lane] = system.exitance(i, column) + system.rho(i, column) * irradiance[lane]
+                        - radiosity[i][lane];
+                }
+            },
+        );
+    }
+}
+
+/// Irradiance of patch `i`, W/m² a lane.
+#[inline]
+fn gather(form_factors: &FormFactors, i: usize, radiosity: &[[f64; LANES]]) -> [f64; LANES] {
+    let (columns, values) = form_factors.row(i);
+    let mut sum = [0.0; LANES];
+    for (&j, &s) in columns.iter().zip(values) {
+        let s = f64::from(s);
+        let b = &radiosity[j as usize];
+        for lane in 0..LANES {
+            sum[lane] += s * b[lane];
+        }
+    }
+    let own = &radiosity[i];
+    let (diagonal, area) = (form_factors.diagonal(i), form_factors.area(i));
+    std::array::from_fn(|lane| (sum[lane] + diagonal * own[lane]) / area)
+}

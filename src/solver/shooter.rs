@@ -1,0 +1,84 @@
+use super::{LightBases, System};
+use crate::form_factors::Row;
+
+/// Lights the scene row by row while form factors arrive (progressive refinement, Cohen et al.
+/// 1988): each row shoots its patch's unshot radiosity by reciprocity. Every state on the way is a
+/// picture, too dark by what has not been shot.
+#[derive(Clone, Debug)]
+pub struct Shooter {
+    /// Irradiance so far, `[patch * columns + column]`.
+    irradiance: Vec<f32>,
+    /// Radiosity not yet passed on.
+    unshot: Vec<f32>,
+    done: Vec<bool>,
+    columns: usize,
+    bands: usize,
+    lamps: usize,
+}
+
+impl Shooter {
+    /// Nothing shot yet: all emission is unshot.
+    pub fn new(system: &System) -> Self {
+        let columns = system.columns();
+        let unshot = (0..system.patches())
+            .flat_map(|i| (0..columns).map(move |c| system.exitance(i, c) as f32))
+            .collect();
+        Self {
+            irradiance: vec![0.0; system.patches() * columns],
+            unshot,
+            done: vec![false; system.patches()],
+            columns,
+            bands: system.bands,
+            lamps: system.lamps,
+        }
+    }
+
+    /// The patches with the most unshot power whose rows have not arrived, brightest first.
+    pub fn brightest(&self, system: &System, count: usize) -> Vec<u32> {
+        let power = |i: usize| -> f64 {
+            let unshot = &self.unshot[i * self.columns..(i + 1) * self.columns];
+            system.areas[i] * unshot.iter().zip(&system.output).map(|(&b, &o)| f64::from(b) * o).sum::<f64>()
+        };
+        let mut waiting: Vec<(f64, u32)> =
+            (0..self.done.len()).filter(|&i| !self.done[i]).map(|i| (power(i), i as u32)).collect();
+        let order = |a: &(f64, u32), b: &(f64, u32)| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1));
+        if waiting.len() > count {
+            waiting.select_nth_unstable_by(count, order);
+            waiting.truncate(count);
+        }
+        waiting.sort_unstable_by(order);
+        waiting.into_iter().map(|(_, i)| i).collect()
+    }
+
+    /// Passes the unshot radiosity of `patch` on to all that its row sees.
+    pub fn shoot(&mut self, system: &System, patch: u32, row: &Row) {
+        let (i, n) = (patch as usize, self.columns);
+        self.done[i] = true;
+        let sent: Vec<f32> = self.unshot[i * n..(i + 1) * n].to_vec();
+        self.unshot[i * n..(i + 1) * n].fill(0.0);
+        if sent.iter().all(|&s| s == 0.0) {
+            return;
+        }
+        for (&j, &f) in row.patches.iter().zip(&row.values) {
+            let j = j as usize;
+            let share = (f64::from(f) * system.areas[i] / system.areas[j]) as f32;
+            let range = j * n..(j + 1) * n;
+            let arriving = self.irradiance[range.clone()].iter_mut().zip(&mut self.unshot[range]);
+            for (c, ((h, unshot), &b)) in arriving.zip(&sent).enumerate() {
+                let dh = share * b;
+                *h += dh;
+                *unshot += system.rho(j, c) as f32 * dh;
+            }
+        }
+    }
+
+    /// The picture so far.
+    pub fn bases(&self) -> LightBases {
+        LightBases {
+            patches: self.done.len(),
+            lamps: self.lamps,
+            bands: self.bands,
+            values: self.irradiance.clone(),
+        }
+    }
+}

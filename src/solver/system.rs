@@ -1,0 +1,66 @@
+use crate::mesh::PatchMesh;
+use crate::scene::Lighting;
+
+/// The right-hand sides of all bases: reflectance and emission a patch.
+///
+/// A column is one band of one luminaire; columns run lamp by lamp, band by band. Where the scene
+/// is grey, one band stands for all three.
+#[derive(Clone, Debug, PartialEq)]
+pub struct System {
+    /// Luminaires.
+    pub lamps: usize,
+    /// 1 or 3.
+    pub bands: usize,
+    /// Reflectance of each patch a band, 0 to below 1.
+    pub reflectance: Vec<[f64; 3]>,
+    /// The luminaire of each patch and its relative exitance a band; `None` where it does not emit.
+    pub emission: Vec<Option<(u32, [f64; 3])>>,
+    /// Area of each patch, m².
+    pub areas: Vec<f64>,
+    /// Exitance a column for the lamps as they come with the scene, W/m².
+    pub output: Vec<f64>,
+}
+
+impl System {
+    /// Reads a mesh. With `colour` off, reflectances and emission must be grey: the first band stands
+    /// for all (see [`crate::effects::Effect::ColourBands`]).
+    pub fn new(mesh: &PatchMesh, reflectance: &[[f64; 3]], lighting: &Lighting, colour: bool) -> Self {
+        let bands = if colour { 3 } else { 1 };
+        let mut output: Vec<f64> =
+            lighting.lamps.iter().flat_map(|lamp| (0..bands).map(move |b| lamp.output()[b])).collect();
+        if output.iter().all(|&o| o <= 0.0) {
+            output.fill(1.0);
+        }
+        Self {
+            lamps: lighting.lamps.len(),
+            bands,
+            reflectance: reflectance.to_vec(),
+            emission: mesh.patches.iter().map(|p| p.luminaire.map(|l| (l, p.emission_weight))).collect(),
+            areas: mesh.patches.iter().map(|p| p.area).collect(),
+            output,
+        }
+    }
+
+    /// Columns in all.
+    pub fn columns(&self) -> usize {
+        self.lamps * self.bands
+    }
+
+    /// Patches.
+    pub fn patches(&self) -> usize {
+        self.areas.len()
+    }
+
+    /// Exitance of a patch in a column at unit output.
+    pub fn exitance(&self, patch: usize, column: usize) -> f64 {
+        match self.emission[patch] {
+            Some((lamp, weight)) if lamp as usize == column / self.bands => weight[column % self.bands],
+            _ => 0.0,
+        }
+    }
+
+    /// Reflectance of a patch in a column.
+    pub fn rho(&self, patch: usize, column: usize) -> f64 {
+        self.reflectance[patch][column % self.bands]
+    }
+}
