@@ -5,21 +5,21 @@ use super::writer::{LampId, Model, Output, Paint};
 use glam::{DVec3, dvec3};
 use std::f64::consts::PI;
 
-const STONE: Paint = Paint::new("limestone", [0.70, 0.64, 0.54]);
-const WALL: Paint = Paint::new("lime_plaster", [0.78, 0.75, 0.70]).front();
-const END_WALL: Paint = Paint::new("pompeian_red", [0.46, 0.12, 0.08]).front();
-const VAULT: Paint = Paint::new("vault_plaster", [0.80, 0.79, 0.76]).front();
-const FLOOR: Paint = Paint::new("terrazzo", [0.44, 0.40, 0.36]).front();
-const INLAY: Paint = Paint::new("dark_marble", [0.13, 0.14, 0.14]).front();
-const PLINTH: Paint = Paint::new("plinth_white", [0.80, 0.80, 0.79]);
-const MARBLE: Paint = Paint::new("marble", [0.82, 0.81, 0.78]);
-const BRONZE: Paint = Paint::new("bronze", [0.33, 0.19, 0.08]);
-const VERDIGRIS: Paint = Paint::new("verdigris", [0.14, 0.40, 0.34]);
-const OCHRE: Paint = Paint::new("ochre", [0.66, 0.42, 0.10]);
-const ULTRAMARINE: Paint = Paint::new("ultramarine", [0.07, 0.11, 0.45]);
-const CANVAS: Paint = Paint::new("canvas", [0.74, 0.70, 0.60]);
-const FRAME: Paint = Paint::new("black_frame", [0.05, 0.045, 0.04]);
-const BENCH: Paint = Paint::new("oak", [0.42, 0.27, 0.15]);
+const STONE: Paint = Paint::solid("limestone", [0.70, 0.64, 0.54]);
+const WALL: Paint = Paint::solid("lime_plaster", [0.78, 0.75, 0.70]);
+const END_WALL: Paint = Paint::solid("pompeian_red", [0.46, 0.12, 0.08]);
+const VAULT: Paint = Paint::solid("vault_plaster", [0.80, 0.79, 0.76]);
+const FLOOR: Paint = Paint::solid("terrazzo", [0.44, 0.40, 0.36]);
+const INLAY: Paint = Paint::solid("dark_marble", [0.13, 0.14, 0.14]);
+const PLINTH: Paint = Paint::solid("plinth_white", [0.80, 0.80, 0.79]);
+const MARBLE: Paint = Paint::solid("marble", [0.82, 0.81, 0.78]);
+const BRONZE: Paint = Paint::solid("bronze", [0.33, 0.19, 0.08]);
+const VERDIGRIS: Paint = Paint::solid("verdigris", [0.14, 0.40, 0.34]);
+const OCHRE: Paint = Paint::solid("ochre", [0.66, 0.42, 0.10]);
+const ULTRAMARINE: Paint = Paint::solid("ultramarine", [0.07, 0.11, 0.45]);
+const CANVAS: Paint = Paint::solid("canvas", [0.74, 0.70, 0.60]);
+const FRAME: Paint = Paint::solid("black_frame", [0.05, 0.045, 0.04]);
+const BENCH: Paint = Paint::solid("oak", [0.42, 0.27, 0.15]);
 
 /// Half the clear width of the nave, of the whole hall, and half the hall's length, metres.
 const NAVE: f64 = 1.9;
@@ -32,7 +32,7 @@ const AISLE_CEILING: f64 = 3.0;
 /// Width of the architrave, metres: from the nave's edge outwards.
 const BEAM: f64 = 0.36;
 /// Facets of the half circle of the vault.
-const FACETS: usize = 20;
+const FACETS: usize = 24;
 /// Column axes along the hall, metres.
 const COLUMNS: [f64; 5] = [-5.0, -2.5, 0.0, 2.5, 5.0];
 
@@ -125,13 +125,12 @@ fn colonnades(m: &mut Model) {
                     (0.175, 0.12),
                     (0.175, 0.19),
                     (0.15, 0.23),
-                    (0.148, 0.9),
-                    (0.14, 1.7),
+                    (0.145, 1.3),
                     (0.128, 2.48),
                     (0.17, 2.57),
                     (0.17, 2.63),
                 ];
-                m.lathe(DVec3::ZERO, &shaft, 20);
+                m.lathe(DVec3::ZERO, &shaft, 16);
                 m.block([-0.19, 2.63, -0.19], [0.19, ARCHITRAVE, 0.19], Faces::HANGING);
             });
         }

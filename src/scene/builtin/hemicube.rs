@@ -4,10 +4,10 @@ use super::shapes::Faces;
 use super::writer::{Model, Output, Paint};
 use glam::{DVec3, dvec3};
 
-const WHITE: Paint = Paint::new("white", [0.75, 0.75, 0.74]).front();
-const RED: Paint = Paint::new("red", [0.63, 0.06, 0.05]).front();
-const BLUE: Paint = Paint::new("blue", [0.10, 0.16, 0.60]).front();
-const YELLOW: Paint = Paint::new("yellow", [0.75, 0.60, 0.10]).front();
+const WHITE: Paint = Paint::solid("white", [0.75, 0.75, 0.74]);
+const RED: Paint = Paint::solid("red", [0.63, 0.06, 0.05]);
+const BLUE: Paint = Paint::solid("blue", [0.10, 0.16, 0.60]);
+const YELLOW: Paint = Paint::solid("yellow", [0.75, 0.60, 0.10]);
 
 /// Clear width (x), height (y) and depth (z), metres.
 const ROOM: DVec3 = dvec3(3.2, 2.6, 4.0);

@@ -19,14 +19,14 @@ pub(crate) struct Paint {
 }
 
 impl Paint {
-    /// A material whose lit sides the reader finds.
-    pub(crate) const fn new(name: &'static str, reflectance: [f64; 3]) -> Self {
-        Self { name, reflectance, sides: Sides::Auto }
+    /// A material of solid things and linings: nothing ever sees its back.
+    pub(crate) const fn solid(name: &'static str, reflectance: [f64; 3]) -> Self {
+        Self { name, reflectance, sides: Sides::Front }
     }
 
-    /// The same with its front side alone taking part: linings of rooms.
-    pub(crate) const fn front(self) -> Self {
-        Self { sides: Sides::Front, ..self }
+    /// A material of thin sheets, lit on both sides.
+    pub(crate) const fn sheet(name: &'static str, reflectance: [f64; 3]) -> Self {
+        Self { name, reflectance, sides: Sides::Both }
     }
 }
 
@@ -126,8 +126,9 @@ pub(crate) struct Model {
     patch_size: f64,
 }
 
-/// Coordinates are kept to this part of a unit, so that equal corners are equal in the text.
-const QUANTUM: f64 = 1e-5;
+/// Coordinates are kept to this part of a unit, so that equal corners are equal in the text, and
+/// facets of curved surfaces stay flat.
+const QUANTUM: f64 = 1e-9;
 
 impl Model {
     /// An empty scene: the symbol of its unit, metres in one unit, longest patch edge in metres.
@@ -197,7 +198,7 @@ impl Model {
             let parts = self.materials.iter().filter(|m| m.glow.is_some_and(|g| g.0 == lamp)).count();
             let name = if parts == 0 { format!("glow_{stem}") } else { format!("glow_{stem}_{}", parts + 1) };
             let glow = Some((lamp, weight));
-            self.materials.push(Material { name, reflectance, sides: Sides::Auto, glow, area: 0.0 });
+            self.materials.push(Material { name, reflectance, sides: Sides::Front, glow, area: 0.0 });
             self.materials.len() - 1
         });
         self
@@ -360,9 +361,9 @@ fn line(out: &mut String, text: std::fmt::Arguments<'_>) {
     out.push('\n');
 }
 
-/// Five decimals at most, without trailing zeros.
+/// Nine decimals at most, without trailing zeros.
 fn number(value: f64) -> String {
-    let text = format!("{value:.5}");
+    let text = format!("{value:.9}");
     let text = text.trim_end_matches('0').trim_end_matches('.');
     if text == "-0" { "0".to_owned() } else { text.to_owned() }
 }

@@ -39,4 +39,4 @@ pub(crate) fn bedroom(m: &mut Model) {
     m.place([4.2, 0.0, 0.0], 0.0, |m| curtains(m, 1.8, 0.03, 2.32, 0.42));
 }
 
-const MUSTARD_GLAZE: Paint = Paint::new("mustard_glaze", MUSTARD.reflectance);
+const MUSTARD_GLAZE: Paint = Paint::solid("mustard_glaze", MUSTARD.reflectance);

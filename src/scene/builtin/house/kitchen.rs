@@ -14,7 +14,7 @@ use crate::scene::builtin::writer::{Model, Output, Paint};
 use glam::{DVec3, dvec3};
 
 /// The enamel of the dining room's pendants: the study's green.
-const ENAMEL: Paint = Paint::new("green_enamel", PINE_GREEN.reflectance);
+const ENAMEL: Paint = Paint::solid("green_enamel", PINE_GREEN.reflectance);
 
 pub(crate) fn dining_room(m: &mut Model) {
     let pendants = m.lamp("Dining pendants", Output::White(2300.0, 3600.0), true);
@@ -104,7 +104,7 @@ pub(crate) fn kitchen(m: &mut Model) {
     }
 }
 
-const RUST_GLAZE: Paint = Paint::new("rust_glaze", [0.45, 0.16, 0.08]);
+const RUST_GLAZE: Paint = Paint::solid("rust_glaze", [0.45, 0.16, 0.08]);
 
 /// Cupboards below the worktops, and the tall ones at the east run's north end.
 fn base_units(m: &mut Model) {

@@ -7,11 +7,11 @@ use crate::scene::builtin::shapes::Faces;
 use crate::scene::builtin::writer::{LampId, Model, Output, Paint};
 use glam::{DVec3, dvec3};
 
-const FACADE: Paint = Paint::new("facade_render", [0.66, 0.62, 0.54]).front();
-const DECK: Paint = Paint::new("larch_deck", [0.34, 0.23, 0.15]).front();
-const FENCE: Paint = Paint::new("larch_fence", [0.40, 0.26, 0.15]).front();
-const GAP: Paint = Paint::new("fence_gap", [0.05, 0.04, 0.03]).front();
-const HEDGE: Paint = Paint::new("hedge", [0.07, 0.16, 0.05]).front();
+const FACADE: Paint = Paint::solid("facade_render", [0.66, 0.62, 0.54]);
+const DECK: Paint = Paint::solid("larch_deck", [0.34, 0.23, 0.15]);
+const FENCE: Paint = Paint::solid("larch_fence", [0.40, 0.26, 0.15]);
+const GAP: Paint = Paint::solid("fence_gap", [0.05, 0.04, 0.03]);
+const HEDGE: Paint = Paint::solid("hedge", [0.07, 0.16, 0.05]);
 
 /// West and east end and south edge of the terrace, its level, metres.
 const WEST: f64 = -0.3;
