@@ -1,1 +1,15 @@
-//! (to come)
+//! From patch values to what is shown: vertex radiosity, exposure, tone maps and false colours.
+//!
+//! Nothing here flows back: exposure and tone maps are applied to what is drawn and never to a
+//! stored radiosity.
+
+mod colour_map;
+mod false_colour;
+mod mesh;
+mod tone;
+mod weights;
+
+pub use colour_map::ColourMap;
+pub use false_colour::{FalseColour, Tick, patch_illuminance, patch_luminance};
+pub use mesh::{Batch, DisplayCorner, DisplayMesh, Shading};
+pub use tone::{Exposure, ToneMap, luminance, meter, srgb_decode, srgb_encode};

@@ -1,1 +1,23 @@
-//! (to come)
+//! Files for other programs: pictures, tables, meshes and reports, each whole or not there at all.
+//!
+//! Takes plain values: who has a solved scene turns it into them.
+
+pub mod atomic;
+mod csv;
+mod error;
+mod exr;
+mod ply;
+mod png;
+mod points;
+mod report;
+
+pub use csv::{PatchRow, write_patch_table};
+pub use error::ExportError;
+pub use exr::{StillLayers, write_exr};
+pub use ply::{LitMesh, write_ply};
+pub use png::write_png;
+pub use points::{PointsError, SurfacePoint, parse_points, read_points, write_irradiance};
+pub use report::{
+    EffectReport, FindingReport, FormFactorReport, LampReport, MaterialReport, MeshReport, PowerReport,
+    Report, SceneReport, SettingsReport, SweepLine, TimingReport, peak_memory_bytes, write_report,
+};

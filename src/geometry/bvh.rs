@@ -110,6 +110,25 @@ impl Bvh {
         best
     }
 
+    /// As [`Bvh::nearest`], of the triangles that `accept` takes by their index.
+    pub fn nearest_where(
+        &self,
+        ray: &Ray,
+        min: f64,
+        mut max: f64,
+        accept: impl Fn(u32) -> bool,
+    ) -> Option<Hit> {
+        let mut best: Option<Hit> = None;
+        self.walk(ray, min, max, |hit| {
+            if accept(hit.triangle) {
+                best = Some(hit);
+                max = hit.distance;
+            }
+            Some(max)
+        });
+        best
+    }
+
     /// Whether anything stands on the ray with `min < distance < max`.
     pub fn occluded(&self, ray: &Ray, min: f64, max: f64) -> bool {
         let mut blocked = false;

@@ -1,1 +1,21 @@
-//! (to come)
+//! Pixels: the wgpu viewport, picking, and stills on the CPU.
+//!
+//! Plain values come in (a display mesh, corner values, a camera); nothing here knows the solver,
+//! the worker or the window.
+
+mod camera;
+mod frame;
+mod gpu;
+mod pick;
+mod pipelines;
+mod still;
+mod target;
+mod textures;
+mod viewport;
+
+pub use camera::Camera;
+pub use frame::{ColourSource, FrameInput};
+pub use gpu::{Gpu, GpuError, read_texture};
+pub use pick::{Pick, Picker};
+pub use still::{Still, StillInput, StillOptions, render_still};
+pub use viewport::{UploadError, ViewportRenderer};

@@ -32,7 +32,7 @@ pub(super) fn short(word: &str) -> String {
 }
 
 /// The (at most three) names nearest to `wanted` by edit distance, ignoring case.
-pub(super) fn nearest<'a>(wanted: &str, names: impl IntoIterator<Item = &'a str>) -> Vec<&'a str> {
+pub fn nearest<'a>(wanted: &str, names: impl IntoIterator<Item = &'a str>) -> Vec<&'a str> {
     let wanted = wanted.to_lowercase();
     let mut ranked: Vec<(usize, &str)> = names
         .into_iter()

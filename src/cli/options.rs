@@ -1,0 +1,209 @@
+use super::failure::Failure;
+use crate::effects::{Effect, EffectChoices};
+use crate::form_factors::Method;
+use crate::mesh::PatchTarget;
+use crate::scene::LengthUnit;
+use crate::session::SolveSettings;
+use clap::Args;
+use clap::builder::{PossibleValuesParser, TypedValueParser};
+use glam::DVec3;
+
+/// Lines and hemicubes finer than this gain nothing but time.
+const FINEST: u32 = 8192;
+
+/// How finely surfaces are split.
+#[derive(Args, Clone, Debug, Default)]
+pub(super) struct PatchOptions {
+    /// Longest edge of a patch, in the unit of the scene's file
+    #[arg(long, value_name = "LENGTH", value_parser = positive, conflicts_with = "patches")]
+    pub(super) patch_size: Option<f64>,
+    /// About how many patches in all
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=10_000_000))]
+    pub(super) patches: Option<u32>,
+}
+
+impl PatchOptions {
+    pub(super) fn target(&self, unit: LengthUnit) -> PatchTarget {
+        match (self.patch_size, self.patches) {
+            (Some(size), _) => PatchTarget::Size(size * unit.metres()),
+            (None, Some(count)) => PatchTarget::Count(count as usize),
+            (None, None) => PatchTarget::Auto,
+        }
+    }
+}
+
+/// Effects forced on or off.
+#[derive(Args, Clone, Debug, Default)]
+pub(super) struct EffectOptions {
+    /// Simulate this effect even where the scene does not call for it (may be repeated)
+    #[arg(long, value_name = "EFFECT", value_parser = effects())]
+    pub(super) with: Vec<Effect>,
+    /// Leave this effect out (may be repeated)
+    #[arg(long, value_name = "EFFECT", value_parser = effects())]
+    pub(super) without: Vec<Effect>,
+}
+
+impl EffectOptions {
+    pub(super) fn choices(&self) -> Result<EffectChoices, Failure> {
+        if let Some(both) = self.with.iter().find(|effect| self.without.contains(effect)) {
+            let name = both.name();
+            return Err(Failure::input(format!("{name} is named by --with and by --without; choose one")));
+        }
+        Ok(EffectChoices { with: self.with.clone(), without: self.without.clone() })
+    }
+}
+
+/// Everything that a solve depends on besides the scene.
+#[derive(Args, Clone, Debug, Default)]
+pub(super) struct SolveOptions {
+    #[command(flatten)]
+    pub(super) patches: PatchOptions,
+    /// How form factors are computed [default: lines]
+    #[arg(long, value_parser = methods())]
+    pub(super) method: Option<Method>,
+    /// Lines, cells along an edge of the hemicube, or rays a patch [default: by method]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(4..=1_048_576))]
+    pub(super) resolution: Option<u32>,
+    /// Relative error bound at which the solve stops [default: 0.0001]
+    #[arg(long, value_name = "T", value_parser = tolerance)]
+    pub(super) tolerance: Option<f64>,
+    #[command(flatten)]
+    pub(super) effects: EffectOptions,
+    /// Threads at work [default: all cores]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    pub(super) threads: Option<u16>,
+}
+
+impl SolveOptions {
+    /// Settings for a scene whose file is in this unit.
+    pub(super) fn settings(&self, unit: LengthUnit) -> Result<SolveSettings, Failure> {
+        let defaults = SolveSettings::default();
+        let method = self.method.unwrap_or(defaults.method);
+        if method != Method::Rays && self.resolution.is_some_and(|n| n > FINEST) {
+            return Err(Failure::input(format!(
+                "--resolution of the method {} goes up to {FINEST}",
+                method.name()
+            )));
+        }
+        Ok(SolveSettings {
+            patches: self.patches.target(unit),
+            method,
+            resolution: self.resolution,
+            tolerance: self.tolerance.unwrap_or(defaults.tolerance),
+            effects: self.effects.choices()?,
+        })
+    }
+
+    /// Lets `--threads` rule over all parallel work of the process. To be called before any.
+    pub(super) fn set_threads(&self) -> Result<(), Failure> {
+        let Some(threads) = self.threads else { return Ok(()) };
+        rayon::ThreadPoolBuilder::new()
+            .num_threads(usize::from(threads))
+            .build_global()
+            .map_err(|error| Failure::work(anyhow::Error::new(error).context("cannot start the threads")))
+    }
+}
+
+fn methods() -> impl TypedValueParser<Value = Method> {
+    const ALL: [Method; 3] = [Method::Lines, Method::Hemicube, Method::Rays];
+    PossibleValuesParser::new(ALL.map(Method::name))
+        .map(|name| ALL.into_iter().find(|method| method.name() == name).unwrap_or_default())
+}
+
+fn effects() -> impl TypedValueParser<Value = Effect> {
+    PossibleValuesParser::new(Effect::ALL.map(Effect::name))
+        .try_map(|name| Effect::ALL.into_iter().find(|effect| effect.name() == name).ok_or("no such effect"))
+}
+
+/// A finite number above zero.
+pub(super) fn positive(text: &str) -> Result<f64, String> {
+    let value = finite(text)?;
+    if value > 0.0 { Ok(value) } else { Err("it must be above zero".into()) }
+}
+
+fn tolerance(text: &str) -> Result<f64, String> {
+    let value = finite(text)?;
+    if (1e-9..1.0).contains(&value) { Ok(value) } else { Err("it must lie between 1e-9 and 1".into()) }
+}
+
+/// Degrees of a field of view.
+pub(super) fn field_of_view(text: &str) -> Result<f64, String> {
+    let value = finite(text)?;
+    if (5.0..=150.0).contains(&value) { Ok(value) } else { Err("it must lie between 5 and 150".into()) }
+}
+
+/// `X,Y,Z`.
+pub(super) fn place(text: &str) -> Result<DVec3, String> {
+    let fields: Vec<&str> = text.split(',').collect();
+    let [x, y, z] = fields[..] else { return Err("three numbers are needed: X,Y,Z".into()) };
+    Ok(DVec3::new(finite(x)?, finite(y)?, finite(z)?))
+}
+
+/// `WxH` in pixels.
+pub(super) fn size(text: &str) -> Result<[u32; 2], String> {
+    const LARGEST: u32 = 16_384;
+    let wrong = || format!("WIDTHxHEIGHT is needed, each from 1 to {LARGEST}");
+    let (width, height) = text.split_once(['x', 'X']).ok_or_else(wrong)?;
+    let side = |text: &str| text.parse().ok().filter(|side| (1..=LARGEST).contains(side)).ok_or_else(wrong);
+    Ok([side(width)?, side(height)?])
+}
+
+/// `NAME=0.3`; the name may hold `=` itself.
+pub(super) fn dimming(text: &str) -> Result<(String, f64), String> {
+    let (name, value) = text.rsplit_once('=').ok_or("NAME=VALUE is needed, as in \"Desk lamp=0.3\"")?;
+    let value = finite(value)?;
+    if name.trim().is_empty() {
+        Err("the name of a lamp is missing before =".into())
+    } else if (0.0..=1.0).contains(&value) {
+        Ok((name.to_owned(), value))
+    } else {
+        Err("a dimmer goes from 0 to 1".into())
+    }
+}
+
+fn finite(text: &str) -> Result<f64, String> {
+    let value = text.trim().parse::<f64>().ok().filter(|value| value.is_finite());
+    value.ok_or_else(|| format!("{:?} is not a number", text.trim()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn values_are_read_and_refused_with_a_reason() {
+        assert_eq!(positive("2.5"), Ok(2.5));
+        for bad in ["0", "-1", "nan", "inf", "two", ""] {
+            assert!(positive(bad).is_err(), "{bad}");
+        }
+        assert_eq!(place("1,-2.5, 3e1"), Ok(DVec3::new(1.0, -2.5, 30.0)));
+        assert!(place("1,2").is_err() && place("1,2,3,4").is_err() && place("1,2,x").is_err());
+        assert_eq!(size("640x400"), Ok([640, 400]));
+        assert!(size("640").is_err() && size("0x4").is_err() && size("99999x4").is_err());
+        assert_eq!(dimming("Desk=left=0.3"), Ok(("Desk=left".into(), 0.3)));
+        assert!(dimming("Desk").is_err() && dimming("=1").is_err() && dimming("Desk=1.5").is_err());
+        assert!(tolerance("0").is_err() && tolerance("1").is_err() && tolerance("1e-4").is_ok());
+        assert!(field_of_view("4").is_err() && field_of_view("60").is_ok());
+    }
+
+    #[test]
+    fn patch_sizes_are_in_the_unit_of_the_file() {
+        let options = PatchOptions { patch_size: Some(250.0), patches: None };
+        assert_eq!(options.target(LengthUnit::Millimetre), PatchTarget::Size(0.25));
+        assert_eq!(PatchOptions::default().target(LengthUnit::Metre), PatchTarget::Auto);
+    }
+
+    #[test]
+    fn an_effect_cannot_be_forced_on_and_off() {
+        let both = EffectOptions { with: vec![Effect::Visibility], without: vec![Effect::Visibility] };
+        assert!(both.choices().is_err());
+    }
+
+    #[test]
+    fn fine_resolutions_are_for_rays() {
+        let mut options = SolveOptions { resolution: Some(100_000), ..SolveOptions::default() };
+        assert!(options.settings(LengthUnit::Metre).is_err());
+        options.method = Some(Method::Rays);
+        assert_eq!(options.settings(LengthUnit::Metre).unwrap().resolution, Some(100_000));
+    }
+}

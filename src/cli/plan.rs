@@ -1,0 +1,83 @@
+use super::failure::Failure;
+use super::options::{EffectOptions, PatchOptions};
+use super::{solve, text};
+use crate::effects::{EffectPlan, EffectState};
+use crate::session::{self, SolveSettings};
+use clap::Args;
+
+/// Tell which effects a scene calls for, why, and what they cost
+#[derive(Args, Debug)]
+pub(super) struct Arguments {
+    /// An OBJ file, or builtin:NAME
+    #[arg(value_name = "SCENE")]
+    scene: String,
+    #[command(flatten)]
+    patches: PatchOptions,
+    #[command(flatten)]
+    effects: EffectOptions,
+}
+
+pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
+    let effects = arguments.effects.choices()?;
+    let scene = solve::load(&arguments.scene)?;
+    let patches = arguments.patches.target(scene.unit);
+    let settings = SolveSettings { patches, effects, ..SolveSettings::default() };
+    let prepared = session::prepare(scene, &settings)?;
+    let counts = format!(
+        "{}: {}, {}\n\n",
+        prepared.scene.name,
+        text::count(prepared.scene.surfaces.len(), "surface"),
+        text::patches(prepared.mesh.patches.len()),
+    );
+    text::print(&(counts + &describe(&prepared.plan)))
+}
+
+/// Two or three lines an effect: its state, why, on what evidence and at what cost.
+fn describe(plan: &EffectPlan) -> String {
+    let width = plan.decisions.iter().map(|d| d.effect.name().len()).max().unwrap_or(0);
+    let mut out = String::new();
+    for decision in &plan.decisions {
+        let name = decision.effect.name();
+        let indent = " ".repeat(width + 2);
+        out += &format!("{name:width$}  {}\n{indent}{}\n", state_name(decision.state), decision.reason);
+        let facts = [("evidence", &decision.evidence), ("cost", &decision.predicted_cost)];
+        for (what, fact) in facts.into_iter().filter(|(_, fact)| !fact.is_empty()) {
+            out += &format!("{indent}{what}: {fact}\n");
+        }
+    }
+    out
+}
+
+/// How a state reads in a listing and in the report.
+pub(super) fn state_name(state: EffectState) -> &'static str {
+    match state {
+        EffectState::On => "on",
+        EffectState::NotCalledFor => "off: not called for",
+        EffectState::OnByChoice => "on by choice",
+        EffectState::OffByChoice => "off by choice",
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::effects::{Decision, Effect};
+
+    #[test]
+    fn a_decision_shows_its_reason_and_evidence() {
+        let decision = Decision {
+            effect: Effect::Visibility,
+            state: EffectState::NotCalledFor,
+            reason: "The room is convex and empty.".into(),
+            evidence: "0 of 6 regions stand in front of another".into(),
+            predicted_cost: String::new(),
+            measured: None,
+        };
+        let text = describe(&EffectPlan { decisions: vec![decision] });
+        assert_eq!(
+            text,
+            "visibility  off: not called for\n            The room is convex and empty.\n            \
+             evidence: 0 of 6 regions stand in front of another\n"
+        );
+    }
+}

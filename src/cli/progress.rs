@@ -1,0 +1,115 @@
+use super::text;
+use crate::session::{Progress, Stage};
+use crate::solver::SweepReport;
+use std::io::{self, IsTerminal as _, Write as _};
+use std::time::{Duration, Instant};
+
+/// Where work stands, on standard error: one line drawn again on a terminal, a line now and then
+/// elsewhere.
+pub(super) struct ProgressLine {
+    terminal: bool,
+    /// Which stage was told last, and when.
+    last: Option<(&'static str, Instant)>,
+}
+
+impl ProgressLine {
+    pub(super) fn new() -> Self {
+        Self { terminal: io::stderr().is_terminal(), last: None }
+    }
+
+    /// Shows where a solve stands, if it is news or time.
+    pub(super) fn solve(&mut self, progress: &Progress<'_>) {
+        self.show(stage_name(progress.stage), || {
+            describe(progress.stage, progress.fraction, progress.rows, progress.sweeps, progress.seconds_left)
+        });
+    }
+
+    /// Shows how much of a picture is done, 0 to 1, if it is time.
+    pub(super) fn picture(&mut self, share: f64) {
+        self.show("picture", || line("picture", share));
+    }
+
+    fn show(&mut self, stage: &'static str, line: impl FnOnce() -> String) {
+        let interval = Duration::from_millis(if self.terminal { 100 } else { 10_000 });
+        if self.last.is_some_and(|(last, at)| last == stage && at.elapsed() < interval) {
+            return;
+        }
+        self.last = Some((stage, Instant::now()));
+        let mut err = io::stderr().lock();
+        // Nobody looks if this fails.
+        let _ = if self.terminal {
+            write!(err, "\r{}\x1b[K", line()).and_then(|()| err.flush())
+        } else {
+            writeln!(err, "{}", line())
+        };
+    }
+}
+
+impl Drop for ProgressLine {
+    fn drop(&mut self) {
+        if self.terminal {
+            let _ = write!(io::stderr().lock(), "\r\x1b[K");
+        }
+    }
+}
+
+fn stage_name(stage: Stage) -> &'static str {
+    match stage {
+        Stage::Idle => "waiting",
+        Stage::Loading => "loading",
+        Stage::Meshing => "meshing",
+        Stage::FirstLight => "first light",
+        Stage::Rows => "form factors",
+        Stage::Balancing => "balancing",
+        Stage::Sweeping => "sweeping",
+        Stage::Converged => "converged",
+        Stage::Stopped => "stopped",
+        Stage::Failed => "failed",
+    }
+}
+
+fn line(stage: &str, share: f64) -> String {
+    format!("{stage:<12} {:3.0} %", 100.0 * share.clamp(0.0, 1.0))
+}
+
+fn describe(
+    stage: Stage,
+    share: f64,
+    (done, all): (usize, usize),
+    sweeps: &[SweepReport],
+    seconds_left: Option<f64>,
+) -> String {
+    let mut line = line(stage_name(stage), share);
+    match sweeps.last() {
+        Some(sweep) => {
+            line += &format!(", sweep {}, residual {}", sweep.sweep, text::significant(sweep.residual));
+        }
+        None if all > 0 => {
+            line += &format!(", {} of {} rows", text::thousands(done), text::thousands(all));
+        }
+        None => {}
+    }
+    if let Some(left) = seconds_left.filter(|_| stage != Stage::Converged) {
+        line += &format!(", {} left", text::seconds(left));
+    }
+    line
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_line_tells_stage_share_rows_and_time() {
+        let rows = (12_800, 20_312);
+        assert_eq!(
+            describe(Stage::Rows, 0.634, rows, &[], Some(4.2)),
+            "form factors  63 %, 12,800 of 20,312 rows, 4.20 s left"
+        );
+        let sweeps = [SweepReport { sweep: 3, residual: 0.0125, ..SweepReport::default() }];
+        assert_eq!(
+            describe(Stage::Sweeping, 0.97, rows, &sweeps, None),
+            "sweeping      97 %, sweep 3, residual 0.0125"
+        );
+    }
+}

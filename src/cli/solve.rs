@@ -1,0 +1,282 @@
+use super::failure::Failure;
+use super::lamps;
+use super::options::{self, SolveOptions};
+use super::picture::{self, PictureKind};
+use super::progress::ProgressLine;
+use super::report::{self, OwnTimings};
+use super::text;
+use crate::export::{
+    self, ExportError, PatchRow, SurfacePoint, atomic, read_points, write_irradiance, write_patch_table,
+};
+use crate::scene::{self, Lighting, Scene, SceneSource, Severity, View, illuminance};
+use crate::session::{self, Control, Progress, SolveSettings, Solved};
+use crate::solver::{PatchLight, patch_emission};
+use clap::Args;
+use glam::DVec3;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
+use std::time::Instant;
+
+/// Compute the light of a scene without a window, and write pictures and tables
+#[derive(Args, Debug)]
+pub(super) struct Arguments {
+    /// An OBJ file, or builtin:NAME
+    #[arg(value_name = "SCENE")]
+    scene: String,
+    #[command(flatten)]
+    options: SolveOptions,
+    /// Switch this lamp on (may be repeated)
+    #[arg(long, value_name = "NAME")]
+    on: Vec<String>,
+    /// Switch this lamp off (may be repeated)
+    #[arg(long, value_name = "NAME")]
+    off: Vec<String>,
+    /// Dim this lamp to a share from 0 to 1 of its full output (may be repeated)
+    #[arg(long, value_name = "NAME=SHARE", value_parser = options::dimming)]
+    dim: Vec<(String, f64)>,
+    /// Look from this bookmark [default: the scene's start view]
+    #[arg(long, value_name = "NAME", requires = "image", conflicts_with = "eye")]
+    view: Option<String>,
+    /// Look from this place, in the unit of the scene's file
+    #[arg(long, value_name = "X,Y,Z", value_parser = options::place, allow_hyphen_values = true,
+          requires_all = ["target", "image"])]
+    eye: Option<DVec3>,
+    /// Look at this place, in the unit of the scene's file
+    #[arg(long, value_name = "X,Y,Z", value_parser = options::place, allow_hyphen_values = true,
+          requires = "eye")]
+    target: Option<DVec3>,
+    /// Vertical field of view, degrees [default: that of the view; 60 with --eye]
+    #[arg(long, value_name = "DEG", value_parser = options::field_of_view, requires = "image")]
+    fov: Option<f64>,
+    /// Pixels across and down [default: 1280x800]
+    #[arg(long, value_name = "WxH", value_parser = options::size, requires = "image")]
+    size: Option<[u32; 2]>,
+    /// Write a picture: tone-mapped as .png, or radiance with its layers as .exr
+    #[arg(long, value_name = "OUT.png|OUT.exr")]
+    image: Option<PathBuf>,
+    /// Write a table of all patches
+    #[arg(long, value_name = "OUT.csv")]
+    patch_table: Option<PathBuf>,
+    /// Write the lit mesh
+    #[arg(long, value_name = "OUT.ply")]
+    mesh: Option<PathBuf>,
+    /// Gather irradiance at the points x,y,z,nx,ny,nz in this file, in the unit of the scene's file
+    #[arg(long, value_name = "IN.csv", requires = "irradiance")]
+    points: Option<PathBuf>,
+    /// Write irradiance and illuminance at the points
+    #[arg(long, value_name = "OUT.csv", requires = "points")]
+    irradiance: Option<PathBuf>,
+    /// Write counts, settings, timings, sweeps and the power balance
+    #[arg(long, value_name = "OUT.json")]
+    report: Option<PathBuf>,
+}
+
+impl Arguments {
+    fn outputs(&self) -> impl Iterator<Item = &Path> {
+        let all = [&self.image, &self.patch_table, &self.mesh, &self.irradiance, &self.report];
+        all.into_iter().filter_map(|output| output.as_deref())
+    }
+
+    /// Refuses early what would fail after the solve.
+    fn check_outputs(&self) -> Result<(), Failure> {
+        let outputs: Vec<&Path> = self.outputs().collect();
+        for (index, output) in outputs.iter().enumerate() {
+            if outputs[..index].contains(output) && !Path::new(output).starts_with("/dev") {
+                let path = output.display();
+                return Err(Failure::input(format!("two outputs would be written to {path}")));
+            }
+            atomic::probe(output)?;
+        }
+        Ok(())
+    }
+
+    fn view(&self, scene: &Scene) -> Result<View, Failure> {
+        let mut view = match (self.eye, self.target, &self.view) {
+            (Some(eye), Some(target), _) => {
+                let [eye, target] = [eye, target].map(|place| place * scene.unit.metres());
+                if eye.distance_squared(target) < 1e-18 {
+                    return Err(Failure::input("--eye and --target are the same place"));
+                }
+                View { name: "as given".into(), eye, target, fov_y_deg: 60.0 }
+            }
+            (_, _, Some(name)) => scene.views[lamps::view(scene, name)?].clone(),
+            _ => start_view(scene)?,
+        };
+        view.fov_y_deg = self.fov.unwrap_or(view.fov_y_deg);
+        Ok(view)
+    }
+}
+
+pub(super) fn start_view(scene: &Scene) -> Result<View, Failure> {
+    let view = scene.views.get(scene.start_view).or(scene.views.first());
+    view.cloned().ok_or_else(|| Failure::input(format!("{} has no view to look from", scene.name)))
+}
+
+pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
+    let start = Instant::now();
+    let kind = arguments.image.as_deref().map(PictureKind::of).transpose()?;
+    arguments.options.set_threads()?;
+    let scene = load(&arguments.scene)?;
+    let load_seconds = start.elapsed().as_secs_f64();
+    let settings = arguments.options.settings(scene.unit)?;
+    let lighting = lamps::lighting(&scene, &arguments.on, &arguments.off, &arguments.dim)?;
+    let view = arguments.view(&scene)?;
+    let points = arguments.points.as_deref().map(read_points).transpose()?;
+    arguments.check_outputs()?;
+
+    let (solved, light) = solve(scene, &settings, &lighting)?;
+    let outputs_start = Instant::now();
+    if let (Some(path), Some(kind)) = (&arguments.image, kind) {
+        let size = arguments.size.unwrap_or(picture::DEFAULT_SIZE);
+        picture::write(path, kind, &solved, &light, &view, size)?;
+    }
+    if let Some(path) = &arguments.patch_table {
+        patch_table(path, &solved, &lighting, &light)?;
+    }
+    if let Some(path) = &arguments.mesh {
+        picture::write_mesh(path, &solved, &light)?;
+    }
+    if let (Some(points), Some(path)) = (&points, &arguments.irradiance) {
+        let unit = solved.scene.unit.metres();
+        gather(path, points, unit, |places| solved.irradiance_at(places, &light))?;
+    }
+    if let Some(path) = &arguments.report {
+        let own = OwnTimings {
+            load: load_seconds,
+            outputs: outputs_start.elapsed().as_secs_f64(),
+            total: start.elapsed().as_secs_f64(),
+        };
+        let others = arguments.outputs().filter(|other| other != path).map(|o| o.display().to_string());
+        let report = report::report(&solved, &settings, &lighting, &light, own, others.collect());
+        export::write_report(path, &report)?;
+    }
+    let mut told = summary(&solved, &settings, start.elapsed().as_secs_f64());
+    for output in arguments.outputs() {
+        told += &format!("wrote {}\n", output.display());
+    }
+    text::print(&told)
+}
+
+/// Loads a scene and says on standard error what is doubtful about it.
+pub(super) fn load(name: &str) -> Result<Arc<Scene>, Failure> {
+    const SHOWN: usize = 12;
+    let scene = scene::load(&SceneSource::from(name))?;
+    let doubts: Vec<_> = scene.findings.iter().filter(|f| f.severity >= Severity::Warning).collect();
+    for finding in doubts.iter().take(SHOWN) {
+        text::complain(&format!("{}: {}", report::severity_name(finding.severity), finding.message));
+    }
+    if doubts.len() > SHOWN {
+        text::complain(&format!("{} more; lumenwalk check tells them all", doubts.len() - SHOWN));
+    }
+    Ok(Arc::new(scene))
+}
+
+/// Solves with progress on standard error, and mixes the lamps.
+pub(super) fn solve(
+    scene: Arc<Scene>,
+    settings: &SolveSettings,
+    lighting: &Lighting,
+) -> Result<(Solved, PatchLight), Failure> {
+    let mut line = ProgressLine::new();
+    let observe = &mut |progress: Progress<'_>| {
+        line.solve(&progress);
+        Control::Continue
+    };
+    // An interrupt ends the process itself; nothing else cancels.
+    let solved = session::solve(scene, settings, &AtomicBool::new(false), observe)?;
+    let light = solved.light(lighting);
+    Ok((solved, light))
+}
+
+/// What was solved, how well and how fast, in a few lines.
+pub(super) fn summary(solved: &Solved, settings: &SolveSettings, seconds: f64) -> String {
+    let mut told = format!(
+        "{}: {}, {}, {} {}\n",
+        solved.scene.name,
+        text::patches(solved.mesh.patches.len()),
+        text::count(solved.scene.luminaires.len(), "lamp"),
+        settings.method.name(),
+        settings.resolution.unwrap_or_else(|| settings.method.default_resolution()),
+    );
+    match solved.sweeps.last() {
+        Some(last) => {
+            told += &format!(
+                "solved in {}: {}, residual {}, error at most {}\n",
+                text::seconds(seconds),
+                text::count(last.sweep as usize, "sweep"),
+                text::significant(last.residual),
+                text::significant(last.error_bound),
+            );
+            told += &format!(
+                "power as the lamps come: {} W emitted, {} W absorbed, {} W escaped\n",
+                text::significant(last.emitted),
+                text::significant(last.absorbed),
+                text::significant(last.escaped),
+            );
+        }
+        None => told += &format!("done in {}\n", text::seconds(seconds)),
+    }
+    told
+}
+
+fn patch_table(
+    path: &Path,
+    solved: &Solved,
+    lighting: &Lighting,
+    light: &PatchLight,
+) -> Result<(), ExportError> {
+    let scene = &solved.scene;
+    let per_metre = scene.unit.metres().recip();
+    let rows = solved.mesh.patches.iter().enumerate().map(|(id, patch)| {
+        let object = scene.surfaces.get(patch.surface as usize).map(|surface| surface.object as usize);
+        PatchRow {
+            id,
+            surface: object.and_then(|o| scene.objects.get(o)).map_or("", String::as_str),
+            material: scene.materials.get(patch.material as usize).map_or("", |m| m.name.as_str()),
+            centre: patch.centre * per_metre,
+            normal: patch.normal,
+            area: patch.area,
+            radiosity: light.radiosity.get(id).copied().unwrap_or_default(),
+            exitance: patch_emission(patch, lighting),
+            irradiance: light.irradiance.get(id).copied().unwrap_or_default(),
+            reflectance: solved.reflectance.get(id).copied().unwrap_or_default(),
+        }
+    });
+    write_patch_table(path, rows)
+}
+
+/// Gathers at points given in units of `unit` metres; `irradiance_at` takes positions in metres
+/// with unit normals and answers in W/m² per band.
+fn gather(
+    path: &Path,
+    points: &[SurfacePoint],
+    unit: f64,
+    irradiance_at: impl FnOnce(&[(DVec3, DVec3)]) -> Vec<[f64; 3]>,
+) -> Result<(), ExportError> {
+    let places: Vec<(DVec3, DVec3)> =
+        points.iter().map(|point| (point.position * unit, point.normal)).collect();
+    write_irradiance(path, points, &irradiance_at(&places), illuminance)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn points_are_gathered_in_metres_and_written_in_the_unit_of_the_file() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("out.csv");
+        let points = [SurfacePoint { position: DVec3::new(1000.0, 0.0, 500.0), normal: DVec3::Z }];
+        gather(&path, &points, 0.001, |places| {
+            assert!((places[0].0 - DVec3::new(1.0, 0.0, 0.5)).length() < 1e-12);
+            vec![[1.0, 1.0, 1.0]]
+        })
+        .unwrap();
+        let text = std::fs::read_to_string(&path).unwrap();
+        let line = text.lines().nth(1).unwrap();
+        assert!(line.starts_with("1000,0,500,0,0,1,1,1,1,"), "{line}");
+        let lux: f64 = line.rsplit(',').next().unwrap().parse().unwrap();
+        assert!((lux - 179.0).abs() < 1e-9, "{lux}");
+    }
+}

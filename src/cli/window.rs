@@ -1,0 +1,91 @@
+use super::failure::Failure;
+use super::options::SolveOptions;
+use super::picture::{self, PictureKind};
+use super::{solve, text};
+use crate::export::atomic;
+use crate::scene::{self, LengthUnit, SceneError, SceneSource, builtin};
+use crate::ui::{UiError, run as open_window};
+use clap::Args;
+use std::path::PathBuf;
+use std::time::Instant;
+
+const DEFAULT_SCENE: &str = "builtin:hemicube";
+
+#[derive(Args, Debug)]
+pub(super) struct Arguments {
+    /// An OBJ file, or builtin:NAME [default: builtin:hemicube]
+    #[arg(value_name = "SCENE")]
+    scene: Option<String>,
+    #[command(flatten)]
+    options: SolveOptions,
+}
+
+/// Opens the window; where there can be none, solves and writes a picture instead.
+pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
+    let name = arguments.scene.as_deref().unwrap_or(DEFAULT_SCENE);
+    let source = SceneSource::from(name);
+    refuse_what_is_not_there(&source)?;
+    arguments.options.set_threads()?;
+    // The window reads the scene itself; here it is wanted for its unit alone.
+    let unit = match arguments.options.patches.patch_size {
+        Some(_) => scene::load(&source)?.unit,
+        None => LengthUnit::Metre,
+    };
+    match open_window(source, arguments.options.settings(unit)?) {
+        Ok(()) => Ok(()),
+        Err(UiError::NoDisplay(reason)) => {
+            text::complain(&format!(
+                "no window can be opened here ({reason}), so the scene is solved without one"
+            ));
+            headless(name, &arguments.options)
+        }
+        Err(other) => Err(Failure::work(other)),
+    }
+}
+
+/// A slip of the pen on the command line is told there and not in a window.
+fn refuse_what_is_not_there(source: &SceneSource) -> Result<(), Failure> {
+    match source {
+        SceneSource::File(path) if !path.exists() => Err(SceneError::Missing(path.clone()).into()),
+        SceneSource::Builtin(name) if !builtin::NAMES.contains(&name.as_str()) => {
+            // Reading it fails, and says what names there are.
+            scene::load(source).map(drop).map_err(Failure::from)
+        }
+        _ => Ok(()),
+    }
+}
+
+fn headless(name: &str, options: &SolveOptions) -> Result<(), Failure> {
+    let start = Instant::now();
+    let scene = solve::load(name)?;
+    let settings = options.settings(scene.unit)?;
+    let view = solve::start_view(&scene)?;
+    let path = picture_path(&scene.name);
+    atomic::probe(&path)?;
+    let lighting = scene.lighting();
+    let (solved, light) = solve::solve(scene, &settings, &lighting)?;
+    picture::write(&path, PictureKind::Png, &solved, &light, &view, picture::DEFAULT_SIZE)?;
+    let summary = solve::summary(&solved, &settings, start.elapsed().as_secs_f64());
+    text::print(&format!("{summary}wrote {}\n", path.display()))
+}
+
+/// `lumenwalk-NAME.png` in the current folder, whatever the name holds.
+fn picture_path(name: &str) -> PathBuf {
+    let safe: String = name
+        .chars()
+        .take(100)
+        .map(|c| if c.is_alphanumeric() || matches!(c, '-' | '_' | '.') { c } else { '_' })
+        .collect();
+    PathBuf::from(format!("lumenwalk-{safe}.png"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_picture_stays_in_the_current_folder() {
+        assert_eq!(picture_path("hemicube"), PathBuf::from("lumenwalk-hemicube.png"));
+        assert_eq!(picture_path("../../a b"), PathBuf::from("lumenwalk-.._.._a_b.png"));
+    }
+}

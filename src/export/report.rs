@@ -1,0 +1,265 @@
+use super::{ExportError, atomic};
+use serde::Serialize;
+use std::io::{self, Write as _};
+use std::path::Path;
+
+/// All that a headless solve tells about itself. Serialised as JSON under these names.
+#[derive(Clone, Debug, Serialize)]
+pub struct Report {
+    /// Version of the program.
+    pub version: &'static str,
+    /// What was solved.
+    pub scene: SceneReport,
+    /// How it was to be solved.
+    pub settings: SettingsReport,
+    /// The patches.
+    pub mesh: MeshReport,
+    /// The rows.
+    pub form_factors: FormFactorReport,
+    /// The effect plan.
+    pub effects: Vec<EffectReport>,
+    /// Seconds by stage.
+    pub timings: TimingReport,
+    /// One entry a sweep.
+    pub sweeps: Vec<SweepLine>,
+    /// Residual after the last sweep, relative to the largest radiosity; `null` without sweeps.
+    pub residual: Option<f64>,
+    /// Guaranteed bound on the relative error; `null` without sweeps.
+    pub error_bound: Option<f64>,
+    /// Power balance with the lamps as they come with the scene; `null` without sweeps.
+    pub power: Option<PowerReport>,
+    /// Power emitted and absorbed with the lamps as switched on the command line, W.
+    pub power_as_switched: PowerReport,
+    /// The most memory that the process ever held, bytes; `null` where the system does not tell.
+    pub peak_memory_bytes: Option<u64>,
+    /// Files written besides this one.
+    pub outputs: Vec<String>,
+}
+
+/// The scene in counts and names.
+#[derive(Clone, Debug, Serialize)]
+pub struct SceneReport {
+    /// Its name.
+    pub name: String,
+    /// A path, or `builtin:NAME`.
+    pub source: String,
+    /// Unit of the file.
+    pub unit: &'static str,
+    /// Extent along x, y and z, metres.
+    pub extent_m: [f64; 3],
+    /// Input polygons.
+    pub surfaces: usize,
+    /// Objects and groups.
+    pub objects: usize,
+    /// Images.
+    pub textures: usize,
+    /// All materials.
+    pub materials: Vec<MaterialReport>,
+    /// All luminaires, as switched.
+    pub luminaires: Vec<LampReport>,
+    /// What the reader noticed.
+    pub findings: Vec<FindingReport>,
+}
+
+/// One material.
+#[derive(Clone, Debug, Serialize)]
+pub struct MaterialReport {
+    /// Its name.
+    pub name: String,
+    /// Reflectance per band.
+    pub reflectance: [f64; 3],
+}
+
+/// One luminaire, as switched.
+#[derive(Clone, Debug, Serialize)]
+pub struct LampReport {
+    /// Its name.
+    pub name: String,
+    /// Emitting area, m².
+    pub area_m2: f64,
+    /// Switched on.
+    pub on: bool,
+    /// 0 to 1.
+    pub dimmer: f64,
+    /// Exitance at full output, W/m² per band.
+    pub exitance: [f64; 3],
+}
+
+/// Something that the reader noticed.
+#[derive(Clone, Debug, Serialize)]
+pub struct FindingReport {
+    /// note, warning or error.
+    pub severity: &'static str,
+    /// One sentence.
+    pub message: String,
+    /// How many faces or materials.
+    pub count: usize,
+}
+
+/// What was asked for.
+#[derive(Clone, Debug, Serialize)]
+pub struct SettingsReport {
+    /// In words: "auto", "0.1 m", "2000 patches".
+    pub patches: String,
+    /// lines, hemicube or rays.
+    pub method: &'static str,
+    /// Half-planes, cells along an edge of the cube, or rays.
+    pub resolution: u32,
+    /// The solve stops at this error bound.
+    pub tolerance: f64,
+    /// Threads at work.
+    pub threads: usize,
+}
+
+/// The patches in numbers.
+#[derive(Clone, Debug, Serialize)]
+pub struct MeshReport {
+    /// Patches in all: unknowns a band and lamp, and rows.
+    pub patches: usize,
+    /// Patches that emit.
+    pub emitters: usize,
+    /// Planar regions.
+    pub regions: usize,
+    /// Sides that no light can reach.
+    pub dark_sides: usize,
+    /// Surfaces dropped for want of area.
+    pub dropped: usize,
+    /// Total area, m².
+    pub area_m2: f64,
+    /// Smallest patch, m².
+    pub smallest_area_m2: f64,
+    /// Largest patch, m².
+    pub largest_area_m2: f64,
+    /// Median aspect; 1 for squares.
+    pub median_aspect: f64,
+    /// Worst aspect.
+    pub worst_aspect: f64,
+    /// Edge length aimed at, metres.
+    pub patch_size_m: f64,
+}
+
+/// The form factors in numbers.
+#[derive(Clone, Debug, Serialize)]
+pub struct FormFactorReport {
+    /// Stored factors.
+    pub entries: usize,
+    /// Memory that they take.
+    pub bytes: usize,
+    /// Pairs computed in closed form for being close.
+    pub close_pairs: usize,
+    /// Largest |row sum - 1| as sampled, among rows that see no opening.
+    pub worst_closure: f64,
+    /// Mean relative |A_i F_ij - A_j F_ji| as sampled, weighted by area.
+    pub mean_reciprocity: f64,
+    /// Scaling passes until the power balance closed.
+    pub balance_passes: usize,
+    /// Largest relative deviation of a row sum from its target after them.
+    pub imbalance: f64,
+}
+
+/// One line of the effect plan.
+#[derive(Clone, Debug, Serialize)]
+pub struct EffectReport {
+    /// Its name, as `--with` takes it.
+    pub effect: &'static str,
+    /// on, not called for, on by choice, off by choice.
+    pub state: &'static str,
+    /// Why.
+    pub reason: String,
+    /// The counts behind it.
+    pub evidence: String,
+    /// What it was expected to cost.
+    pub predicted_cost: String,
+    /// What it took, where that was measured.
+    pub measured_seconds: Option<f64>,
+}
+
+/// Seconds by stage.
+#[derive(Clone, Copy, Debug, Default, Serialize)]
+pub struct TimingReport {
+    /// Reading and checking the model.
+    pub load: f64,
+    /// Splitting into patches.
+    pub mesh: f64,
+    /// Deciding effects.
+    pub plan: f64,
+    /// Until direct light was everywhere, from the start of the rows.
+    pub first_light: f64,
+    /// All rows, first light included.
+    pub rows: f64,
+    /// Making rows reciprocal and closed.
+    pub balance: f64,
+    /// Sweeps.
+    pub sweeps: f64,
+    /// Mixing lamps, pictures, tables and points.
+    pub outputs: f64,
+    /// From the start of the command.
+    pub total: f64,
+}
+
+/// One sweep.
+#[derive(Clone, Copy, Debug, Serialize)]
+pub struct SweepLine {
+    /// Counted from 1.
+    pub sweep: u32,
+    /// Relative to the largest radiosity.
+    pub residual: f64,
+    /// Guaranteed bound on the relative error.
+    pub error_bound: f64,
+    /// Seconds since the solve began.
+    pub seconds: f64,
+}
+
+/// Where the power goes, W, summed over bands.
+#[derive(Clone, Copy, Debug, Serialize)]
+pub struct PowerReport {
+    /// By lamps.
+    pub emitted: f64,
+    /// By surfaces.
+    pub absorbed: f64,
+    /// Through openings; `null` where it was not counted by itself.
+    pub escaped: Option<f64>,
+}
+
+/// Writes the report as indented JSON.
+///
+/// # Errors
+/// A refusal of the system.
+pub fn write_report(path: &Path, report: &Report) -> Result<(), ExportError> {
+    atomic::write(path, |file| {
+        serde_json::to_writer_pretty(&mut *file, report).map_err(io::Error::from)?;
+        writeln!(file)
+    })
+}
+
+/// The most memory that this process ever held, bytes: `VmHWM` of Linux; `None` elsewhere.
+pub fn peak_memory_bytes() -> Option<u64> {
+    let status = std::fs::read_to_string("/proc/self/status").ok()?;
+    high_water_mark(&status)
+}
+
+fn high_water_mark(status: &str) -> Option<u64> {
+    let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"))?;
+    let kilobytes: u64 = line.trim().strip_suffix("kB")?.trim().parse().ok()?;
+    Some(kilobytes * 1024)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_high_water_mark_is_read_in_bytes() {
+        assert_eq!(high_water_mark("VmPeak:\t 9 kB\nVmHWM:\t    5124 kB\nVmRSS: 1 kB"), Some(5124 * 1024));
+        assert_eq!(high_water_mark("VmRSS: 1 kB"), None);
+    }
+
+    #[cfg(target_os = "linux")]
+    #[test]
+    fn the_peak_grows_with_what_is_touched() {
+        let before = peak_memory_bytes().unwrap();
+        let block = vec![1_u8; 256 << 20];
+        let after = peak_memory_bytes().unwrap();
+        assert!(after >= 256 << 20 && after >= before, "{before} {after} {}", block[7]);
+    }
+}

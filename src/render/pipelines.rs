@@ -1,0 +1,341 @@
+use crate::display::ToneMap;
+use std::collections::HashMap;
+
+/// What surfaces are drawn into: display-linear, finer than eight bits.
+pub(super) const PICTURE_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba16Float;
+/// Depth, reversed: one near, zero at infinity.
+pub(super) const DEPTH_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Depth32Float;
+
+const TONE: &str = include_str!("shaders/tone.wgsl");
+const SCENE: &str = include_str!("shaders/scene.wgsl");
+const COMPOSITE: &str = include_str!("shaders/composite.wgsl");
+
+/// The uniform block `Frame` of scene.wgsl.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, bytemuck::Pod, bytemuck::Zeroable)]
+pub(super) struct FrameUniform {
+    pub(super) clip_from_local: [[f32; 4]; 4],
+    pub(super) eye: [f32; 3],
+    pub(super) exposure: f32,
+    pub(super) highlight: u32,
+    pub(super) scale: f32,
+    pub(super) offset: f32,
+    pub(super) logarithmic: u32,
+    pub(super) map_row: f32,
+    pub(super) padding: [u32; 3],
+}
+
+/// A corner in the static vertex buffer: `Corner` of scene.wgsl.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, bytemuck::Pod, bytemuck::Zeroable)]
+pub(super) struct CornerVertex {
+    pub(super) position: [f32; 3],
+    pub(super) normal: [f32; 3],
+    pub(super) uv: [f32; 2],
+    pub(super) patch: u32,
+}
+
+/// What a pipeline draws. All of them read the static corners from slot 0.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub(super) enum Pass {
+    /// Radiosities from slot 1.
+    Plain,
+    /// The same, multiplied with a texture.
+    Textured,
+    /// Scalars from slot 1 through a colour map.
+    FalseColour,
+    /// A colour for each patch.
+    PatchIds,
+    /// Normals as colours.
+    Normals,
+    /// Sides without a patch.
+    Unlit,
+    /// Patch borders over radiosities from slot 1.
+    LinesOnLit,
+    /// Patch borders over anything else.
+    Lines,
+}
+
+impl Pass {
+    fn entry_points(self) -> (&'static str, &'static str) {
+        match self {
+            Self::Plain => ("vs_lit", "fs_plain"),
+            Self::Textured => ("vs_lit", "fs_textured"),
+            Self::FalseColour => ("vs_valued", "fs_false_colour"),
+            Self::PatchIds => ("vs_static", "fs_patch_ids"),
+            Self::Normals => ("vs_static", "fs_normals"),
+            Self::Unlit => ("vs_static", "fs_unlit"),
+            Self::LinesOnLit => ("vs_line", "fs_line_on_lit"),
+            // The light in slot 1 is bound and not used.
+            Self::Lines => ("vs_line", "fs_line"),
+        }
+    }
+
+    fn is_lines(self) -> bool {
+        matches!(self, Self::LinesOnLit | Self::Lines)
+    }
+
+    fn takes_light(self) -> bool {
+        matches!(self, Self::Plain | Self::Textured) || self.is_lines()
+    }
+}
+
+/// Pipelines, made when they are first needed.
+pub(super) struct Pipelines {
+    scene_module: wgpu::ShaderModule,
+    composite_module: wgpu::ShaderModule,
+    pub(super) frame_layout: wgpu::BindGroupLayout,
+    pub(super) texture_layout: wgpu::BindGroupLayout,
+    scene_layout: wgpu::PipelineLayout,
+    textured_layout: wgpu::PipelineLayout,
+    composite_layout: wgpu::PipelineLayout,
+    scene: HashMap<(Pass, ToneMap, u32), wgpu::RenderPipeline>,
+    composite: HashMap<wgpu::TextureFormat, wgpu::RenderPipeline>,
+}
+
+impl Pipelines {
+    pub(super) fn new(device: &wgpu::Device) -> Self {
+        let module = |label, source: &str| {
+            device.create_shader_module(wgpu::ShaderModuleDescriptor {
+                label: Some(label),
+                source: wgpu::ShaderSource::Wgsl([TONE, source].concat().into()),
+            })
+        };
+        let frame_layout = device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
+            label: Some("frame"),
+            entries: &[
+                wgpu::BindGroupLayoutEntry {
+                    binding: 0,
+                    visibility: wgpu::ShaderStages::VERTEX_FRAGMENT,
+                    ty: wgpu::BindingType::Buffer {
+                        ty: wgpu::BufferBindingType::Uniform,
+                        has_dynamic_offset: false,
+                        min_binding_size: None,
+                    },
+                    count: None,
+                },
+                texture_entry(1),
+                sampler_entry(2),
+            ],
+        });
+        let texture_layout = device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
+            label: Some("texture"),
+            entries: &[texture_entry(0), sampler_entry(1)],
+        });
+        let layout = |label, groups: &[Option<&wgpu::BindGroupLayout>]| {
+            device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
+                label: Some(label),
+                bind_group_layouts: groups,
+                immediate_size: 0,
+            })
+        };
+        Self {
+            scene_module: module("scene", SCENE),
+            composite_module: module("composite", COMPOSITE),
+            scene_layout: layout("scene", &[Some(&frame_layout)]),
+            textured_layout: layout("textured", &[Some(&frame_layout), Some(&texture_layout)]),
+            composite_layout: layout("composite", &[Some(&texture_layout)]),
+            frame_layout,
+            texture_layout,
+            scene: HashMap::new(),
+            composite: HashMap::new(),
+        }
+    }
+
+    /// Makes a pipeline of the scene where it does not exist yet.
+    pub(super) fn prepare_scene(
+        &mut self,
+        device: &wgpu::Device,
+        pass: Pass,
+        tone_map: ToneMap,
+        samples: u32,
+    ) {
+        let (module, layout) = match pass {
+            Pass::Textured => (&self.scene_module, &self.textured_layout),
+            _ => (&self.scene_module, &self.scene_layout),
+        };
+        self.scene
+            .entry((pass, tone_map, samples))
+            .or_insert_with(|| scene_pipeline(device, module, layout, pass, tone_map, samples));
+    }
+
+    /// A pipeline that [`Pipelines::prepare_scene`] has made.
+    pub(super) fn scene(&self, pass: Pass, tone_map: ToneMap, samples: u32) -> Option<&wgpu::RenderPipeline> {
+        self.scene.get(&(pass, tone_map, samples))
+    }
+
+    /// Makes the pipeline that puts the picture onto a target of this format.
+    pub(super) fn prepare_composite(&mut self, device: &wgpu::Device, format: wgpu::TextureFormat) {
+        let (module, layout) = (&self.composite_module, &self.composite_layout);
+        self.composite.entry(format).or_insert_with(|| {
+            let encode = if format.is_srgb() { 0.0 } else { 1.0 };
+            device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
+                label: Some("composite"),
+                layout: Some(layout),
+                vertex: wgpu::VertexState {
+                    module,
+                    entry_point: Some("vs_composite"),
+                    compilation_options: wgpu::PipelineCompilationOptions::default(),
+                    buffers: &[],
+                },
+                primitive: wgpu::PrimitiveState::default(),
+                depth_stencil: None,
+                multisample: wgpu::MultisampleState::default(),
+                fragment: Some(wgpu::FragmentState {
+                    module,
+                    entry_point: Some("fs_composite"),
+                    compilation_options: wgpu::PipelineCompilationOptions {
+                        constants: &[("ENCODE_SRGB", encode)],
+                        ..Default::default()
+                    },
+                    targets: &[Some(format.into())],
+                }),
+                multiview_mask: None,
+                cache: None,
+            })
+        });
+    }
+
+    /// The pipeline that [`Pipelines::prepare_composite`] has made for this format.
+    pub(super) fn composite(&self, format: wgpu::TextureFormat) -> Option<&wgpu::RenderPipeline> {
+        self.composite.get(&format)
+    }
+}
+
+fn texture_entry(binding: u32) -> wgpu::BindGroupLayoutEntry {
+    wgpu::BindGroupLayoutEntry {
+        binding,
+        visibility: wgpu::ShaderStages::FRAGMENT,
+        ty: wgpu::BindingType::Texture {
+            sample_type: wgpu::TextureSampleType::Float { filterable: true },
+            view_dimension: wgpu::TextureViewDimension::D2,
+            multisampled: false,
+        },
+        count: None,
+    }
+}
+
+fn sampler_entry(binding: u32) -> wgpu::BindGroupLayoutEntry {
+    wgpu::BindGroupLayoutEntry {
+        binding,
+        visibility: wgpu::ShaderStages::FRAGMENT,
+        ty: wgpu::BindingType::Sampler(wgpu::SamplerBindingType::Filtering),
+        count: None,
+    }
+}
+
+fn scene_pipeline(
+    device: &wgpu::Device,
+    module: &wgpu::ShaderModule,
+    layout: &wgpu::PipelineLayout,
+    pass: Pass,
+    tone_map: ToneMap,
+    samples: u32,
+) -> wgpu::RenderPipeline {
+    let corner = wgpu::VertexBufferLayout {
+        array_stride: size_of::<CornerVertex>() as u64,
+        step_mode: wgpu::VertexStepMode::Vertex,
+        attributes: &wgpu::vertex_attr_array![0 => Float32x3, 1 => Float32x3, 2 => Float32x2, 3 => Uint32],
+    };
+    let light = wgpu::VertexBufferLayout {
+        array_stride: size_of::<[f32; 3]>() as u64,
+        step_mode: wgpu::VertexStepMode::Vertex,
+        attributes: &wgpu::vertex_attr_array![4 => Float32x3],
+    };
+    let scalar = wgpu::VertexBufferLayout {
+        array_stride: size_of::<f32>() as u64,
+        step_mode: wgpu::VertexStepMode::Vertex,
+        attributes: &wgpu::vertex_attr_array![5 => Float32],
+    };
+    let mut buffers = vec![Some(corner)];
+    if pass.takes_light() {
+        buffers.push(Some(light));
+    } else if pass == Pass::FalseColour {
+        buffers.push(Some(scalar));
+    }
+    let (vertex, fragment) = pass.entry_points();
+    let index = ToneMap::ALL.iter().position(|&map| map == tone_map).unwrap_or(0);
+    device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
+        label: Some(fragment),
+        layout: Some(layout),
+        vertex: wgpu::VertexState {
+            module,
+            entry_point: Some(vertex),
+            compilation_options: wgpu::PipelineCompilationOptions::default(),
+            buffers: &buffers,
+        },
+        primitive: wgpu::PrimitiveState {
+            topology: if pass.is_lines() {
+                wgpu::PrimitiveTopology::LineList
+            } else {
+                wgpu::PrimitiveTopology::TriangleList
+            },
+            cull_mode: (!pass.is_lines()).then_some(wgpu::Face::Back),
+            ..Default::default()
+        },
+        depth_stencil: Some(wgpu::DepthStencilState {
+            format: DEPTH_FORMAT,
+            depth_write_enabled: Some(!pass.is_lines()),
+            // Depth is reversed: nearer is greater.
+            depth_compare: Some(wgpu::CompareFunction::Greater),
+            stencil: wgpu::StencilState::default(),
+            bias: wgpu::DepthBiasState::default(),
+        }),
+        multisample: wgpu::MultisampleState { count: samples, ..Default::default() },
+        fragment: Some(wgpu::FragmentState {
+            module,
+            entry_point: Some(fragment),
+            compilation_options: wgpu::PipelineCompilationOptions {
+                constants: &[("TONE_MAP", index as f64)],
+                ..Default::default()
+            },
+            targets: &[Some(wgpu::ColorTargetState {
+                format: PICTURE_FORMAT,
+                blend: pass.is_lines().then_some(wgpu::BlendState::ALPHA_BLENDING),
+                write_mask: wgpu::ColorWrites::ALL,
+            })],
+        }),
+        multiview_mask: None,
+        cache: None,
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use wgpu::naga;
+
+    /// Parses and validates like the browser would: no optional capability.
+    fn validate(name: &str, source: &str) {
+        let source = [TONE, source].concat();
+        let module = naga::front::wgsl::parse_str(&source)
+            .unwrap_or_else(|error| panic!("{name}: {}", error.emit_to_string(&source)));
+        naga::valid::Validator::new(naga::valid::ValidationFlags::all(), naga::valid::Capabilities::empty())
+            .validate(&module)
+            .unwrap_or_else(|error| panic!("{name}: {}", error.emit_to_string(&source)));
+    }
+
+    #[test]
+    fn the_shaders_are_valid() {
+        validate("scene.wgsl", SCENE);
+        validate("composite.wgsl", COMPOSITE);
+    }
+
+    #[test]
+    fn every_entry_point_exists() {
+        for pass in [
+            Pass::Plain,
+            Pass::Textured,
+            Pass::FalseColour,
+            Pass::PatchIds,
+            Pass::Normals,
+            Pass::Unlit,
+            Pass::LinesOnLit,
+            Pass::Lines,
+        ] {
+            let (vertex, fragment) = pass.entry_points();
+            assert!(SCENE.contains(&format!("@vertex fn {vertex}(")), "{vertex}");
+            assert!(SCENE.contains(&format!("@fragment fn {fragment}(")), "{fragment}");
+        }
+    }
+}

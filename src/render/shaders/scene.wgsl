@@ -1,0 +1,140 @@
+// Surfaces and patch borders into a display-linear picture. Concatenated behind tone.wgsl.
+
+struct Frame {
+    clip_from_local: mat4x4f,
+    eye: vec3f,        // local
+    exposure: f32,
+    highlight: u32,    // patch, or NO_PATCH
+    scale: f32,        // position along the colour map = value * scale + offset
+    offset: f32,
+    logarithmic: u32,
+    map_row: f32,      // v coordinate of the map in the table
+}
+
+@group(0) @binding(0) var<uniform> frame: Frame;
+@group(0) @binding(1) var colour_maps: texture_2d<f32>;
+@group(0) @binding(2) var colour_map_sampler: sampler;
+
+@group(1) @binding(0) var reflectance_texture: texture_2d<f32>;
+@group(1) @binding(1) var reflectance_sampler: sampler;
+
+const HIGHLIGHT = vec3f(1.0, 0.36, 0.02);
+
+struct Corner {
+    @location(0) position: vec3f, // local
+    @location(1) normal: vec3f,
+    @location(2) uv: vec2f,
+    @location(3) patch_index: u32,
+}
+
+fn clip(position: vec3f) -> vec4f {
+    return frame.clip_from_local * vec4f(position, 1.0);
+}
+
+fn highlighted(colour: vec3f, patch_index: u32) -> vec4f {
+    return vec4f(mix(colour, HIGHLIGHT, select(0.0, 0.55, patch_index == frame.highlight)), 1.0);
+}
+
+struct Lit {
+    @builtin(position) clip: vec4f,
+    @location(0) light: vec3f,
+    @location(1) uv: vec2f,
+    @location(2) @interpolate(flat) patch_index: u32,
+}
+
+@vertex fn vs_lit(corner: Corner, @location(4) light: vec3f) -> Lit {
+    return Lit(clip(corner.position), light, corner.uv, corner.patch_index);
+}
+
+@fragment fn fs_plain(v: Lit) -> @location(0) vec4f {
+    return highlighted(tone_map(v.light * frame.exposure), v.patch_index);
+}
+
+@fragment fn fs_textured(v: Lit) -> @location(0) vec4f {
+    let texel = textureSample(reflectance_texture, reflectance_sampler, vec2f(v.uv.x, 1.0 - v.uv.y)).rgb;
+    return highlighted(tone_map(texel * v.light * frame.exposure), v.patch_index);
+}
+
+struct Valued {
+    @builtin(position) clip: vec4f,
+    @location(0) value: f32,
+    @location(1) @interpolate(flat) patch_index: u32,
+}
+
+@vertex fn vs_valued(corner: Corner, @location(5) value: f32) -> Valued {
+    return Valued(clip(corner.position), value, corner.patch_index);
+}
+
+@fragment fn fs_false_colour(v: Valued) -> @location(0) vec4f {
+    let x = select(v.value, log2(max(v.value, 1e-37)), frame.logarithmic != 0u);
+    let position = clamp(x * frame.scale + frame.offset, 0.0, 1.0);
+    // From the centre of the first entry to that of the last.
+    let at = vec2f((position * 255.0 + 0.5) / 256.0, frame.map_row);
+    let colour = textureSampleLevel(colour_maps, colour_map_sampler, at, 0.0).rgb;
+    return highlighted(colour, v.patch_index);
+}
+
+struct Plain {
+    @builtin(position) clip: vec4f,
+    @location(0) normal: vec3f,
+    @location(1) position: vec3f,
+    @location(2) @interpolate(flat) patch_index: u32,
+}
+
+@vertex fn vs_static(corner: Corner) -> Plain {
+    return Plain(clip(corner.position), corner.normal, corner.position, corner.patch_index);
+}
+
+// How much a surface faces the eye, so that shapes show without light.
+fn facing(v: Plain) -> f32 {
+    return abs(dot(normalize(v.normal), normalize(frame.eye - v.position)));
+}
+
+@fragment fn fs_patch_ids(v: Plain) -> @location(0) vec4f {
+    // Multiplicative hashing (Knuth 6.4) keeps neighbours apart in hue and in lightness.
+    let hash = v.patch_index * 2654435769u;
+    let hue = f32(hash >> 16u) / 65536.0;
+    let lightness = 0.35 + 0.5 * f32((hash * 747796405u) >> 24u) / 256.0;
+    let rgb = clamp(abs(fract(hue + vec3f(0.0, 2.0 / 3.0, 1.0 / 3.0)) * 6.0 - 3.0) - 1.0, vec3f(0.0), vec3f(1.0));
+    let colour = lightness * mix(vec3f(1.0), rgb, 0.7);
+    return highlighted(colour * colour * (0.6 + 0.4 * facing(v)), v.patch_index);
+}
+
+@fragment fn fs_normals(v: Plain) -> @location(0) vec4f {
+    let coded = normalize(v.normal) * 0.5 + 0.5;
+    return highlighted(coded * coded, v.patch_index);
+}
+
+@fragment fn fs_unlit(v: Plain) -> @location(0) vec4f {
+    return vec4f(vec3f(0.012 + 0.03 * facing(v)), 1.0);
+}
+
+struct Line {
+    @builtin(position) clip: vec4f,
+    @location(0) light: vec3f,
+    @location(1) towards_eye: f32,
+}
+
+@vertex fn vs_line(corner: Corner, @location(4) light: vec3f) -> Line {
+    // A part in a thousand nearer than the surface that it lies on (depth is reversed).
+    var position = clip(corner.position);
+    position.z *= 1.001;
+    return Line(position, light, dot(corner.normal, frame.eye - corner.position));
+}
+
+fn line(v: Line, colour: vec3f) -> vec4f {
+    if v.towards_eye < 0.0 {
+        discard;
+    }
+    return vec4f(colour, 0.5);
+}
+
+// Dark on bright surfaces and bright on dark ones.
+@fragment fn fs_line_on_lit(v: Line) -> @location(0) vec4f {
+    let shown = dot(tone_map(v.light * frame.exposure), vec3f(0.2126, 0.7152, 0.0722));
+    return line(v, vec3f(select(0.35, 0.0, shown > 0.06)));
+}
+
+@fragment fn fs_line(v: Line) -> @location(0) vec4f {
+    return line(v, vec3f(0.0));
+}

@@ -1,0 +1,252 @@
+use super::{Camera, Pick, Picker};
+use crate::display::{DisplayMesh, Exposure, ToneMap, srgb_encode};
+use crate::mesh::NO_PATCH;
+use crate::scene::Texture;
+use glam::{DVec2, Vec2, Vec3};
+use rayon::prelude::*;
+use std::f32::consts::PI;
+use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
+
+/// What a still shows: the mesh that the viewport draws, and its corner values.
+#[derive(Clone, Copy, Debug)]
+pub struct StillInput<'a> {
+    /// Triangles and their textures.
+    pub mesh: &'a DisplayMesh,
+    /// Of the same patch mesh.
+    pub picker: &'a Picker,
+    /// The scene's.
+    pub textures: &'a [Texture],
+    /// [`DisplayMesh::corner_radiosity`], one a lit corner.
+    pub corner_radiosity: &'a [[f32; 3]],
+    /// [`DisplayMesh::corner_values`] of the irradiances, one a lit corner.
+    pub corner_irradiance: &'a [[f32; 3]],
+}
+
+/// How a still is taken.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct StillOptions {
+    /// Pixels across and down; at least one each.
+    pub size_px: [u32; 2],
+    /// Rays along each edge of a pixel: 2 casts four of them.
+    pub samples: u32,
+    /// Brightness of [`Still::display`].
+    pub exposure: Exposure,
+    /// Tone map of [`Still::display`].
+    pub tone_map: ToneMap,
+    /// Display-linear colour where there is no surface, 0..1.
+    pub background: [f32; 3],
+}
+
+impl StillOptions {
+    /// Four rays a pixel over a black background.
+    pub fn new(size_px: [u32; 2], exposure: Exposure, tone_map: ToneMap) -> Self {
+        Self { size_px, samples: 2, exposure, tone_map, background: [0.0; 3] }
+    }
+}
+
+/// A picture with its layers, row by row from the top.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Still {
+    /// Pixels across.
+    pub width: u32,
+    /// Pixels down.
+    pub height: u32,
+    /// Radiance B / pi averaged over the pixel, W/(m² sr) per band; background counts as zero.
+    pub radiance: Vec<[f32; 3]>,
+    /// Share of the pixel that shows a surface, 0..1.
+    pub coverage: Vec<f32>,
+    /// Exposed, tone-mapped, then averaged: display-linear 0..1, background included.
+    pub display: Vec<[f32; 3]>,
+    /// Irradiance at the pixel's centre, W/m² per band; zero where there is no surface.
+    pub irradiance: Vec<[f32; 3]>,
+    /// Patch at the pixel's centre, or [`NO_PATCH`].
+    pub patch_id: Vec<u32>,
+    /// Shading normal at the pixel's centre in world space; zero where there is no surface.
+    pub normal: Vec<[f32; 3]>,
+    /// Distance along the view axis at the pixel's centre, metres; zero where there is no surface.
+    pub depth: Vec<f32>,
+}
+
+impl Still {
+    /// The display layer as sRGB bytes R, G, B, 255.
+    pub fn to_rgba8(&self) -> Vec<u8> {
+        let byte = |linear: f32| (srgb_encode(linear.clamp(0.0, 1.0)) * 255.0).round() as u8;
+        self.display.iter().flat_map(|rgb| [byte(rgb[0]), byte(rgb[1]), byte(rgb[2]), 255]).collect()
+    }
+}
+
+/// One pixel of every layer.
+#[derive(Clone, Copy)]
+struct Pixel {
+    radiance: [f32; 3],
+    coverage: f32,
+    display: [f32; 3],
+    irradiance: [f32; 3],
+    patch_id: u32,
+    normal: [f32; 3],
+    depth: f32,
+}
+
+/// Takes a still by casting rays, row by row on rayon's threads. The result does not depend on
+/// their number.
+///
+/// `progress` is told the share done after each row, 0 to 1, from several threads; when it
+/// returns false the still is given up and `None` comes back.
+pub fn render_still(
+    input: &StillInput<'_>,
+    camera: &Camera,
+    options: &StillOptions,
+    progress: &(dyn Fn(f32) -> bool + Sync),
+) -> Option<Still> {
+    let [width, height] = options.size_px.map(|n| n.max(1));
+    let (rows_done, cancelled) = (AtomicU32::new(0), AtomicBool::new(false));
+    let rows: Vec<Vec<Pixel>> = (0..height)
+        .into_par_iter()
+        .map(|y| {
+            if cancelled.load(Ordering::Relaxed) {
+                return Vec::new();
+            }
+            let row =
+                (0..width).map(|x| input.pixel(camera, options, DVec2::new(x.into(), y.into()))).collect();
+            let done = rows_done.fetch_add(1, Ordering::Relaxed) + 1;
+            if !progress(done as f32 / height as f32) {
+                cancelled.store(true, Ordering::Relaxed);
+            }
+            row
+        })
+        .collect();
+    if cancelled.into_inner() {
+        return None;
+    }
+    let pixels = rows.concat();
+    Some(Still {
+        width,
+        height,
+        radiance: pixels.iter().map(|p| p.radiance).collect(),
+        coverage: pixels.iter().map(|p| p.coverage).collect(),
+        display: pixels.iter().map(|p| p.display).collect(),
+        irradiance: pixels.iter().map(|p| p.irradiance).collect(),
+        patch_id: pixels.iter().map(|p| p.patch_id).collect(),
+        normal: pixels.iter().map(|p| p.normal).collect(),
+        depth: pixels.iter().map(|p| p.depth).collect(),
+    })
+}
+
+impl StillInput<'_> {
+    fn pixel(&self, camera: &Camera, options: &StillOptions, corner: DVec2) -> Pixel {
+        let size_px = options.size_px.map(|n| n.max(1));
+        let samples = options.samples.max(1);
+        let share = 1.0 / (samples * samples) as f32;
+        let mut pixel = self.centre(camera, camera.ray(corner + 0.5, size_px));
+        let factor = options.exposure.factor();
+        for sample in 0..samples * samples {
+            let at = DVec2::new((sample % samples).into(), (sample / samples).into()) + 0.5;
+            let ray = camera.ray(corner + at / f64::from(samples), size_px);
+            let Some(pick) = self.picker.pick(&ray) else {
+                add(&mut pixel.display, options.background, share);
+                continue;
+            };
+            let radiosity = self.radiosity(&pick);
+            pixel.coverage += share;
+            add(&mut pixel.radiance, radiosity, share / PI);
+            add(&mut pixel.display, options.tone_map.apply(radiosity.map(|b| b * factor)), share);
+        }
+        pixel
+    }
+
+    /// The layers that cannot be averaged, and zeros in the others.
+    fn centre(&self, camera: &Camera, ray: crate::geometry::Ray) -> Pixel {
+        let mut pixel = Pixel {
+            radiance: [0.0; 3],
+            coverage: 0.0,
+            display: [0.0; 3],
+            irradiance: [0.0; 3],
+            patch_id: NO_PATCH,
+            normal: [0.0; 3],
+            depth: 0.0,
+        };
+        if let Some(pick) = self.picker.pick(&ray) {
+            let (corners, weights, _) = self.corners(&pick);
+            let normal: Vec3 =
+                (0..3).map(|k| self.mesh.corners[corners[k] as usize].normal * weights[k]).sum();
+            pixel.irradiance = interpolate(self.corner_irradiance, corners, weights);
+            pixel.patch_id = pick.patch.unwrap_or(NO_PATCH);
+            pixel.normal = normal.normalize_or(pick.normal.as_vec3()).to_array();
+            pixel.depth = (pick.position - camera.eye).dot(camera.axes()[2]) as f32;
+        }
+        pixel
+    }
+
+    fn corners(&self, pick: &Pick) -> ([u32; 3], [f32; 3], Option<u32>) {
+        let (corners, texture) = self.mesh.face(pick.triangle, pick.side);
+        let [u, v] = pick.barycentric;
+        (corners, [(1.0 - u - v) as f32, u as f32, v as f32], texture)
+    }
+
+    fn radiosity(&self, pick: &Pick) -> [f32; 3] {
+        let (corners, weights, texture) = self.corners(pick);
+        let value = interpolate(self.corner_radiosity, corners, weights);
+        let Some(texture) = texture.and_then(|t| self.textures.get(t as usize)) else { return value };
+        let uv: Vec2 = (0..3).map(|k| self.mesh.corners[corners[k] as usize].uv * weights[k]).sum();
+        let texel = bilinear(texture, uv);
+        std::array::from_fn(|b| value[b] * texel[b])
+    }
+}
+
+fn add(sum: &mut [f32; 3], rgb: [f32; 3], weight: f32) {
+    for band in 0..3 {
+        sum[band] += weight * rgb[band];
+    }
+}
+
+fn interpolate(values: &[[f32; 3]], corners: [u32; 3], weights: [f32; 3]) -> [f32; 3] {
+    let mut sum = [0.0; 3];
+    for (corner, weight) in corners.into_iter().zip(weights) {
+        add(&mut sum, values.get(corner as usize).copied().unwrap_or_default(), weight);
+    }
+    // Weights reach a rounding error below zero at edges.
+    sum.map(|x| x.max(0.0))
+}
+
+/// The texture at (u, v), v upwards, repeated in both directions and linear between texel centres.
+fn bilinear(texture: &Texture, uv: Vec2) -> [f32; 3] {
+    let (width, height) = (i64::from(texture.width), i64::from(texture.height));
+    if !uv.is_finite() || texture.pixels.len() as i64 != width * height || width * height == 0 {
+        return [1.0; 3];
+    }
+    let x = (uv.x - uv.x.floor()) * width as f32 - 0.5;
+    let y = (1.0 - (uv.y - uv.y.floor())) * height as f32 - 0.5;
+    let (x0, y0) = (x.floor(), y.floor());
+    let (fx, fy) = (x - x0, y - y0);
+    let texel = |dx: i64, dy: i64| {
+        let (column, row) = ((x0 as i64 + dx).rem_euclid(width), (y0 as i64 + dy).rem_euclid(height));
+        texture.pixels[(row * width + column) as usize]
+    };
+    let mut sum = [0.0; 3];
+    add(&mut sum, texel(0, 0), (1.0 - fx) * (1.0 - fy));
+    add(&mut sum, texel(1, 0), fx * (1.0 - fy));
+    add(&mut sum, texel(0, 1), (1.0 - fx) * fy);
+    add(&mut sum, texel(1, 1), fx * fy);
+    sum
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn textures_stand_upright_and_repeat() {
+        // Top row red and green, bottom row blue and white.
+        let texture = Texture {
+            name: "four".to_owned(),
+            width: 2,
+            height: 2,
+            pixels: vec![[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [1.0, 1.0, 1.0]],
+        };
+        assert_eq!(bilinear(&texture, Vec2::new(0.25, 0.75)), [1.0, 0.0, 0.0]);
+        assert_eq!(bilinear(&texture, Vec2::new(0.25, 0.25)), [0.0, 0.0, 1.0]);
+        assert_eq!(bilinear(&texture, Vec2::new(-0.25, 3.75)), [0.0, 1.0, 0.0]);
+        assert_eq!(bilinear(&texture, Vec2::new(0.5, 0.5)), [0.5, 0.5, 0.5]);
+        assert_eq!(bilinear(&texture, Vec2::NAN), [1.0; 3]);
+    }
+}

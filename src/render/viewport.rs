@@ -1,0 +1,393 @@
+use super::frame::{ColourSource, FrameInput};
+use super::gpu::{GpuError, read_texture};
+use super::pipelines::{CornerVertex, FrameUniform, Pass, Pipelines};
+use super::target::Target;
+use super::textures;
+use crate::display::{Batch, DisplayMesh};
+use crate::mesh::NO_PATCH;
+use crate::scene::Texture;
+use glam::DVec3;
+use std::ops::Range;
+use wgpu::util::DeviceExt as _;
+
+/// Why a mesh cannot be drawn.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum UploadError {
+    /// A buffer would be larger than the device allows.
+    #[error(
+        "the mesh needs a buffer of {needed} bytes and the graphics device allows {allowed}; use larger patches"
+    )]
+    TooLarge {
+        /// Bytes of the largest buffer.
+        needed: u64,
+        /// What the device allows.
+        allowed: u64,
+    },
+}
+
+/// Draws a lit mesh with wgpu, into a panel of a window or into memory.
+///
+/// The mesh is uploaded once, the light whenever it changes; a camera move uploads a hundred
+/// bytes. [`ViewportRenderer::prepare`] draws into a picture of its own, which
+/// [`ViewportRenderer::paint`] puts onto the target: display-linear, so that edges are smoothed
+/// after the tone map, where the eye sees them.
+pub struct ViewportRenderer {
+    pipelines: Pipelines,
+    target_format: wgpu::TextureFormat,
+    frame_buffer: wgpu::Buffer,
+    frame_bindings: wgpu::BindGroup,
+    picture_sampler: wgpu::Sampler,
+    texture_sampler: wgpu::Sampler,
+    mesh: Option<UploadedMesh>,
+    target: Option<Target>,
+}
+
+struct UploadedMesh {
+    origin: DVec3,
+    size: f64,
+    lit_corners: usize,
+    corners: wgpu::Buffer,
+    light: wgpu::Buffer,
+    scalars: wgpu::Buffer,
+    indices: wgpu::Buffer,
+    batches: Vec<Batch>,
+    unlit: Range<u32>,
+    edges: wgpu::Buffer,
+    edge_indices: u32,
+    /// One for each of the scene's textures.
+    textures: Vec<wgpu::BindGroup>,
+}
+
+impl ViewportRenderer {
+    /// For a window (or texture) of this format, with one sample a pixel and no depth buffer.
+    pub fn new(device: &wgpu::Device, queue: &wgpu::Queue, target_format: wgpu::TextureFormat) -> Self {
+        let mut pipelines = Pipelines::new(device);
+        pipelines.prepare_composite(device, target_format);
+        let sampler = |label, address, mipmaps| {
+            device.create_sampler(&wgpu::SamplerDescriptor {
+                label: Some(label),
+                address_mode_u: address,
+                address_mode_v: address,
+                mag_filter: wgpu::FilterMode::Linear,
+                min_filter: wgpu::FilterMode::Linear,
+                mipmap_filter: mipmaps,
+                ..Default::default()
+            })
+        };
+        let clamped = wgpu::AddressMode::ClampToEdge;
+        let picture_sampler = sampler("picture", clamped, wgpu::MipmapFilterMode::Nearest);
+        let texture_sampler = sampler("texture", wgpu::AddressMode::Repeat, wgpu::MipmapFilterMode::Linear);
+        let frame_buffer = device.create_buffer(&wgpu::BufferDescriptor {
+            label: Some("frame"),
+            size: size_of::<FrameUniform>() as u64,
+            usage: wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST,
+            mapped_at_creation: false,
+        });
+        let colour_maps = textures::upload_colour_maps(device, queue);
+        let frame_bindings = device.create_bind_group(&wgpu::BindGroupDescriptor {
+            label: Some("frame"),
+            layout: &pipelines.frame_layout,
+            entries: &[
+                wgpu::BindGroupEntry { binding: 0, resource: frame_buffer.as_entire_binding() },
+                wgpu::BindGroupEntry {
+                    binding: 1,
+                    resource: wgpu::BindingResource::TextureView(&colour_maps),
+                },
+                wgpu::BindGroupEntry {
+                    binding: 2,
+                    resource: wgpu::BindingResource::Sampler(&picture_sampler),
+                },
+            ],
+        });
+        Self {
+            pipelines,
+            target_format,
+            frame_buffer,
+            frame_bindings,
+            picture_sampler,
+            texture_sampler,
+            mesh: None,
+            target: None,
+        }
+    }
+
+    /// Uploads a mesh with the scene's textures; it is dark until light is set. On an error the
+    /// mesh before it stays.
+    pub fn set_mesh(
+        &mut self,
+        device: &wgpu::Device,
+        queue: &wgpu::Queue,
+        mesh: &DisplayMesh,
+        textures: &[Texture],
+    ) -> Result<(), UploadError> {
+        let corners: Vec<CornerVertex> = mesh
+            .corners
+            .iter()
+            .map(|c| CornerVertex {
+                position: c.position.to_array(),
+                normal: c.normal.to_array(),
+                uv: c.uv.to_array(),
+                patch: c.patch,
+            })
+            .collect();
+        let needed = size_of_val(&*corners).max(size_of_val(&*mesh.indices)) as u64;
+        let allowed = device.limits().max_buffer_size;
+        if needed > allowed {
+            return Err(UploadError::TooLarge { needed, allowed });
+        }
+        let buffer = |label, contents: &[u8], usage| {
+            device.create_buffer_init(&wgpu::util::BufferInitDescriptor {
+                label: Some(label),
+                contents,
+                usage,
+            })
+        };
+        // Fresh buffers are zero: dark.
+        let empty = |label, bytes: usize| {
+            device.create_buffer(&wgpu::BufferDescriptor {
+                label: Some(label),
+                size: bytes.max(16) as u64,
+                usage: wgpu::BufferUsages::VERTEX | wgpu::BufferUsages::COPY_DST,
+                mapped_at_creation: false,
+            })
+        };
+        let (vertex, index) = (wgpu::BufferUsages::VERTEX, wgpu::BufferUsages::INDEX);
+        let largest = device.limits().max_texture_dimension_2d;
+        self.mesh = Some(UploadedMesh {
+            origin: mesh.origin,
+            size: mesh.size,
+            lit_corners: mesh.lit_corners,
+            corners: buffer("corners", bytemuck::cast_slice(&corners), vertex),
+            light: empty("light", size_of::<[f32; 3]>() * mesh.lit_corners),
+            scalars: empty("scalars", size_of::<f32>() * mesh.lit_corners),
+            indices: buffer("triangles", bytemuck::cast_slice(&mesh.indices), index),
+            batches: mesh.batches.clone(),
+            unlit: mesh.unlit.clone(),
+            edges: buffer("patch borders", bytemuck::cast_slice(&mesh.edges), index),
+            edge_indices: 2 * mesh.edges.len() as u32,
+            textures: textures
+                .iter()
+                .map(|image| self.texture_bindings(device, queue, image, largest))
+                .collect(),
+        });
+        Ok(())
+    }
+
+    fn texture_bindings(
+        &self,
+        device: &wgpu::Device,
+        queue: &wgpu::Queue,
+        image: &Texture,
+        largest: u32,
+    ) -> wgpu::BindGroup {
+        let view = textures::upload(device, queue, image, largest);
+        device.create_bind_group(&wgpu::BindGroupDescriptor {
+            label: Some("texture"),
+            layout: &self.pipelines.texture_layout,
+            entries: &[
+                wgpu::BindGroupEntry { binding: 0, resource: wgpu::BindingResource::TextureView(&view) },
+                wgpu::BindGroupEntry {
+                    binding: 1,
+                    resource: wgpu::BindingResource::Sampler(&self.texture_sampler),
+                },
+            ],
+        })
+    }
+
+    /// Sets what [`ColourSource::Radiosity`] shows: `DisplayMesh::corner_radiosity` of the mesh
+    /// that was set last. Values for corners that it does not have are dropped.
+    pub fn set_light(&mut self, queue: &wgpu::Queue, corner_radiosity: &[[f32; 3]]) {
+        if let Some(mesh) = &self.mesh {
+            let values = &corner_radiosity[..corner_radiosity.len().min(mesh.lit_corners)];
+            queue.write_buffer(&mesh.light, 0, bytemuck::cast_slice(values));
+        }
+    }
+
+    /// Sets what [`ColourSource::FalseColour`] shows: `DisplayMesh::corner_scalars`.
+    pub fn set_scalars(&mut self, queue: &wgpu::Queue, corner_scalars: &[f32]) {
+        if let Some(mesh) = &self.mesh {
+            let values = &corner_scalars[..corner_scalars.len().min(mesh.lit_corners)];
+            queue.write_buffer(&mesh.scalars, 0, bytemuck::cast_slice(values));
+        }
+    }
+
+    /// Draws a frame into the renderer's own picture. Submit the result before the pass that
+    /// paints it; nothing is drawn twice in between.
+    pub fn prepare(
+        &mut self,
+        device: &wgpu::Device,
+        queue: &wgpu::Queue,
+        frame: &FrameInput,
+    ) -> wgpu::CommandBuffer {
+        let limit = device.limits().max_texture_dimension_2d;
+        let size_px = frame.size_px.map(|n| n.clamp(1, limit));
+        let samples = if frame.multisample { 4 } else { 1 };
+        self.fit_target(device, size_px, samples);
+        let surfaces = match frame.source {
+            ColourSource::Radiosity => Pass::Plain,
+            ColourSource::FalseColour(_) => Pass::FalseColour,
+            ColourSource::PatchIds => Pass::PatchIds,
+            ColourSource::Normals => Pass::Normals,
+        };
+        let lines = if surfaces == Pass::Plain { Pass::LinesOnLit } else { Pass::Lines };
+        for pass in [surfaces, Pass::Textured, Pass::Unlit, lines] {
+            self.pipelines.prepare_scene(device, pass, frame.tone_map, samples);
+        }
+        queue.write_buffer(&self.frame_buffer, 0, bytemuck::bytes_of(&self.frame_uniform(frame, size_px)));
+        let mut encoder =
+            device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("viewport") });
+        self.draw(&mut encoder, frame, surfaces, lines);
+        encoder.finish()
+    }
+
+    fn fit_target(&mut self, device: &wgpu::Device, size_px: [u32; 2], samples: u32) {
+        let fits = |target: &Target| target.size_px == size_px && target.samples == samples;
+        if !self.target.as_ref().is_some_and(fits) {
+            let layout = &self.pipelines.texture_layout;
+            self.target = Some(Target::new(device, layout, &self.picture_sampler, size_px, samples));
+        }
+    }
+
+    fn frame_uniform(&self, frame: &FrameInput, size_px: [u32; 2]) -> FrameUniform {
+        let (origin, size) = self.mesh.as_ref().map_or((DVec3::ZERO, 1.0), |m| (m.origin, m.size));
+        let near = (1e-4 * size).clamp(1e-6, 0.02);
+        let clip = frame.camera.clip_from_local(origin, size_px, near).as_mat4();
+        let (scale, map_row, logarithmic) = match frame.source {
+            ColourSource::FalseColour(scale) => {
+                (scale.coefficients(), textures::colour_map_row(scale.map), scale.logarithmic)
+            }
+            _ => ([1.0, 0.0], 0.0, false),
+        };
+        FrameUniform {
+            clip_from_local: clip.to_cols_array_2d(),
+            eye: (frame.camera.eye - origin).as_vec3().to_array(),
+            exposure: frame.exposure.factor(),
+            highlight: frame.highlight.unwrap_or(NO_PATCH),
+            scale: scale[0] as f32,
+            offset: scale[1] as f32,
+            logarithmic: u32::from(logarithmic),
+            map_row,
+            padding: [0; 3],
+        }
+    }
+
+    fn draw(&self, encoder: &mut wgpu::CommandEncoder, frame: &FrameInput, surfaces: Pass, lines: Pass) {
+        let Some(target) = &self.target else { return };
+        let [r, g, b] = frame.background.map(|x| f64::from(x.clamp(0.0, 1.0)));
+        let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+            label: Some("scene"),
+            color_attachments: &[Some(wgpu::RenderPassColorAttachment {
+                view: target.multisampled.as_ref().unwrap_or(&target.picture),
+                depth_slice: None,
+                resolve_target: target.multisampled.as_ref().map(|_| &target.picture),
+                ops: wgpu::Operations {
+                    load: wgpu::LoadOp::Clear(wgpu::Color { r, g, b, a: 1.0 }),
+                    store: if target.multisampled.is_some() {
+                        wgpu::StoreOp::Discard
+                    } else {
+                        wgpu::StoreOp::Store
+                    },
+                },
+            })],
+            depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
+                view: &target.depth,
+                depth_ops: Some(wgpu::Operations {
+                    load: wgpu::LoadOp::Clear(0.0),
+                    store: wgpu::StoreOp::Discard,
+                }),
+                stencil_ops: None,
+            }),
+            ..Default::default()
+        });
+        let Some(mesh) = &self.mesh else { return };
+        let select = |pass: &mut wgpu::RenderPass<'_>, kind: Pass| {
+            if let Some(pipeline) = self.pipelines.scene(kind, frame.tone_map, target.samples) {
+                pass.set_pipeline(pipeline);
+            }
+        };
+        pass.set_bind_group(0, &self.frame_bindings, &[]);
+        pass.set_vertex_buffer(0, mesh.corners.slice(..));
+        let values = if surfaces == Pass::FalseColour { &mesh.scalars } else { &mesh.light };
+        pass.set_vertex_buffer(1, values.slice(..));
+        pass.set_index_buffer(mesh.indices.slice(..), wgpu::IndexFormat::Uint32);
+        for batch in &mesh.batches {
+            let bindings = batch.texture.and_then(|t| mesh.textures.get(t as usize));
+            match bindings.filter(|_| surfaces == Pass::Plain) {
+                Some(bindings) => {
+                    select(&mut pass, Pass::Textured);
+                    pass.set_bind_group(1, bindings, &[]);
+                }
+                None => select(&mut pass, surfaces),
+            }
+            pass.draw_indexed(batch.indices.clone(), 0, 0..1);
+        }
+        if frame.show_unlit && !mesh.unlit.is_empty() {
+            select(&mut pass, Pass::Unlit);
+            pass.draw_indexed(mesh.unlit.clone(), 0, 0..1);
+        }
+        if frame.wireframe && mesh.edge_indices > 0 {
+            select(&mut pass, lines);
+            pass.set_vertex_buffer(1, mesh.light.slice(..));
+            pass.set_index_buffer(mesh.edges.slice(..), wgpu::IndexFormat::Uint32);
+            pass.draw_indexed(0..mesh.edge_indices, 0, 0..1);
+        }
+    }
+
+    /// Puts the prepared picture onto the whole viewport of `pass`, encoded for its format, with
+    /// half a code of dither. Draws nothing before the first [`ViewportRenderer::prepare`].
+    pub fn paint(&self, pass: &mut wgpu::RenderPass<'_>) {
+        self.paint_as(pass, self.target_format);
+    }
+
+    fn paint_as(&self, pass: &mut wgpu::RenderPass<'_>, format: wgpu::TextureFormat) {
+        if let (Some(target), Some(pipeline)) = (&self.target, self.pipelines.composite(format)) {
+            pass.set_pipeline(pipeline);
+            pass.set_bind_group(0, &target.bindings, &[]);
+            pass.draw(0..3, 0..1);
+        }
+    }
+
+    /// Draws a frame and reads it back as sRGB bytes R, G, B, 255, row by row from the top. Blocks.
+    pub fn capture(
+        &mut self,
+        device: &wgpu::Device,
+        queue: &wgpu::Queue,
+        frame: &FrameInput,
+    ) -> Result<Vec<u8>, GpuError> {
+        const FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba8Unorm;
+        let scene = self.prepare(device, queue, frame);
+        self.pipelines.prepare_composite(device, FORMAT);
+        let [width, height] = self.target.as_ref().map_or([1, 1], |target| target.size_px);
+        let texture = device.create_texture(&wgpu::TextureDescriptor {
+            label: Some("capture"),
+            size: wgpu::Extent3d { width, height, depth_or_array_layers: 1 },
+            mip_level_count: 1,
+            sample_count: 1,
+            dimension: wgpu::TextureDimension::D2,
+            format: FORMAT,
+            usage: wgpu::TextureUsages::RENDER_ATTACHMENT | wgpu::TextureUsages::COPY_SRC,
+            view_formats: &[],
+        });
+        let view = texture.create_view(&wgpu::TextureViewDescriptor::default());
+        let mut encoder =
+            device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("capture") });
+        {
+            let mut pass = encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
+                label: Some("capture"),
+                color_attachments: &[Some(wgpu::RenderPassColorAttachment {
+                    view: &view,
+                    depth_slice: None,
+                    resolve_target: None,
+                    ops: wgpu::Operations {
+                        load: wgpu::LoadOp::Clear(wgpu::Color::BLACK),
+                        store: wgpu::StoreOp::Store,
+                    },
+                })],
+                ..Default::default()
+            });
+            self.paint_as(&mut pass, FORMAT);
+        }
+        queue.submit([scene, encoder.finish()]);
+        read_texture(device, queue, &texture)
+    }
+}

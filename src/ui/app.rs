@@ -1,0 +1,411 @@
+//! The window as a whole: what it holds, and the order of a frame.
+
+use super::camera_control::CameraControl;
+use super::command::EditKey;
+use super::exposure::AutoExposure;
+use super::files::{FileNews, Files};
+use super::history::History;
+use super::overlay::{NOTICE_SECS, Notice};
+use super::panels::{self, Commands, Model};
+use super::path_dialog::{Answer, PathDialog};
+use super::picture::Picture;
+use super::state::{Edits, UiState};
+use super::viewport::Viewport;
+use super::worker::Worker;
+use super::{input, theme};
+use crate::display::FalseColour;
+use crate::scene::{Lighting, Scene, SceneSource, View};
+use crate::session::Snapshot;
+use std::sync::Arc;
+
+/// Where the window keeps its state between starts.
+const STORAGE_KEY: &str = "lumenwalk";
+
+/// Patches under a grid of rays over the view, looked for again when the camera moves.
+#[derive(Default)]
+pub(super) struct Seen {
+    pub(super) patches: Vec<u32>,
+    pub(super) from: Option<(crate::render::Camera, u64)>,
+}
+
+/// The window.
+pub struct App {
+    pub(super) worker: Box<dyn Worker>,
+    pub(super) snapshot: Arc<Snapshot>,
+    pub(super) state: UiState,
+    pub(super) edits: Edits,
+    pub(super) history: History<EditKey, Edits>,
+    pub(super) picture: Picture,
+    pub(super) camera: Option<CameraControl>,
+    pub(super) views: Vec<View>,
+    pub(super) exposure: AutoExposure,
+    pub(super) seen: Seen,
+    pub(super) scale: Option<FalseColour>,
+    pub(super) inspected: Option<u32>,
+    /// The lamp that stands alone, and the lamps before.
+    pub(super) solo: Option<(usize, Lighting)>,
+    pub(super) notice: Option<Notice>,
+    pub(super) last_change: String,
+    pub(super) files: Files,
+    pub(super) path_dialog: Option<PathDialog>,
+    pub(super) help_open: bool,
+    pub(super) tab_pressed: bool,
+    pub(super) viewport: Option<Viewport>,
+    pub(super) view_rect: egui::Rect,
+    /// Where an orbit started: the point under the cursor.
+    pub(super) pivot: Option<glam::DVec3>,
+    /// The mesh, its light or the display changed since the last upload.
+    pub(super) stale: Stale,
+    /// A picture was asked for; where it goes.
+    pub(super) screenshot: Option<std::path::PathBuf>,
+    /// The next frame is to be read back.
+    pub(super) screenshot_wanted: bool,
+    screenshot_arrived: Arc<std::sync::Mutex<Option<Arc<egui::ColorImage>>>>,
+    /// The scene that lamps, materials and views belong to.
+    pub(super) scene_shown: Option<Arc<Scene>>,
+    /// The bookmark gone to last.
+    pub(super) view_index: Option<usize>,
+    /// Pixels of the view across and down.
+    pub(super) view_size_px: [u32; 2],
+    /// A message that the user took away, so that it does not come back.
+    pub(super) dismissed: Option<String>,
+    /// The error of the worker that was shown last.
+    worker_error: Option<String>,
+    frame_secs: f64,
+    memory: (f64, Option<u64>),
+}
+
+/// What has to go to the graphics card before the next frame.
+#[derive(Clone, Copy, Debug, Default)]
+pub(super) struct Stale {
+    pub(super) mesh: bool,
+    pub(super) light: bool,
+    /// The exposure must jump: the light changed.
+    pub(super) exposure: bool,
+}
+
+impl App {
+    /// A window on `worker`, in the state that it was left in.
+    ///
+    /// Without a graphics adapter (in tests) everything but the picture works.
+    pub fn new(cc: &eframe::CreationContext<'_>, worker: Box<dyn Worker>, state: UiState) -> Self {
+        theme::apply(&cc.egui_ctx);
+        Self {
+            snapshot: worker.latest(),
+            worker,
+            edits: Edits { display: state.display, ..Edits::default() },
+            history: History::default(),
+            picture: Picture::default(),
+            camera: None,
+            views: Vec::new(),
+            exposure: AutoExposure::default(),
+            seen: Seen::default(),
+            scale: None,
+            inspected: None,
+            solo: None,
+            notice: None,
+            last_change: String::new(),
+            files: Files::new(cc.egui_ctx.clone()),
+            path_dialog: None,
+            help_open: false,
+            tab_pressed: false,
+            viewport: cc.wgpu_render_state.clone().map(Viewport::new),
+            view_rect: egui::Rect::ZERO,
+            pivot: None,
+            stale: Stale::default(),
+            screenshot: None,
+            screenshot_wanted: false,
+            screenshot_arrived: Arc::default(),
+            scene_shown: None,
+            view_index: None,
+            view_size_px: [1, 1],
+            dismissed: None,
+            worker_error: None,
+            frame_secs: 0.0,
+            memory: (f64::NEG_INFINITY, None),
+            state,
+        }
+    }
+
+    /// The state that the last start left behind.
+    pub fn stored_state(storage: Option<&dyn eframe::Storage>) -> UiState {
+        storage.and_then(|s| eframe::get_value(s, STORAGE_KEY)).unwrap_or_default()
+    }
+
+    /// The lamps as they stand.
+    pub fn lighting(&self) -> &Lighting {
+        &self.edits.lighting
+    }
+
+    /// What the user has changed.
+    pub fn edits(&self) -> &Edits {
+        &self.edits
+    }
+
+    /// What the window remembers.
+    pub fn state(&self) -> &UiState {
+        &self.state
+    }
+
+    /// The light of the patches as it is shown.
+    pub fn light(&self) -> &crate::solver::PatchLight {
+        &self.picture.light
+    }
+
+    /// The patch looked into.
+    pub fn inspected(&self) -> Option<u32> {
+        self.inspected
+    }
+
+    /// Where the camera stands, once a scene is shown.
+    pub fn camera(&self) -> Option<crate::render::Camera> {
+        let control = self.camera.as_ref()?;
+        Some(crate::render::Camera {
+            eye: control.pose().eye,
+            forward: control.forward(),
+            up: control.up(),
+            fov_y_deg: control.pose().fov_y_deg,
+        })
+    }
+
+    /// Takes over what the worker and the helper threads have brought.
+    fn listen(&mut self, ctx: &egui::Context) {
+        self.snapshot = self.worker.latest();
+        let wake = ctx.clone();
+        let news = self.picture.follow(&self.snapshot, move || wake.request_repaint());
+        if news.mesh {
+            self.adopt_scene();
+        }
+        if news.bases {
+            self.picture.relight(&self.edits.lighting);
+            self.picture.relight_reference();
+            self.stale.light = true;
+            self.stale.exposure = true;
+        }
+        if !self.snapshot.last_change.is_empty() && (news.bases || news.mesh) {
+            self.last_change.clone_from(&self.snapshot.last_change);
+        }
+        let time = ctx.input(|i| i.time);
+        self.follow_error(time);
+        for news in self.files.news() {
+            self.file_news(news, time);
+        }
+        if let Some(notice) = &self.notice
+            && !notice.is_error
+        {
+            let left = NOTICE_SECS - (time - notice.since);
+            if left <= 0.0 {
+                self.notice = None;
+            } else {
+                ctx.request_repaint_after_secs(left as f32);
+            }
+        }
+        self.take_screenshot();
+    }
+
+    /// Shows a new error of the worker, and takes it away once the worker has got over it.
+    fn follow_error(&mut self, time: f64) {
+        let shown = self.notice.as_ref().filter(|n| n.is_error).map(|n| n.text.as_str());
+        match self.snapshot.error.as_deref() {
+            Some(error) if shown != Some(error) && self.dismissed.as_deref() != Some(error) => {
+                self.notice = Some(Notice { text: error.to_owned(), is_error: true, since: time });
+                self.worker_error = Some(error.to_owned());
+            }
+            None if self.worker_error.is_some() && shown == self.worker_error.as_deref() => {
+                (self.notice, self.worker_error) = (None, None);
+            }
+            _ => {}
+        }
+    }
+
+    fn file_news(&mut self, news: FileNews, time: f64) {
+        match news {
+            FileNews::Opened(path) => self.open(SceneSource::File(path)),
+            FileNews::SaveAs(kind, path) => self.save_to(kind, path),
+            FileNews::Cancelled => {}
+            FileNews::NoDialog(kind) => {
+                let suggestion = kind.map(|kind| self.suggested_path(kind)).unwrap_or_default();
+                self.path_dialog = Some(PathDialog::new(kind, suggestion));
+            }
+            FileNews::Saved(path) => {
+                let text = format!("Saved {}", path.display());
+                self.notice = Some(Notice { text, is_error: false, since: time });
+            }
+            FileNews::SaveFailed(text) => {
+                self.notice = Some(Notice { text, is_error: true, since: time });
+            }
+            FileNews::Changed => {
+                if self.state.reload_on_change {
+                    self.reload();
+                }
+            }
+        }
+    }
+
+    /// Writes the picture that egui has read back, cut to the view.
+    fn take_screenshot(&mut self) {
+        let arrived = self.screenshot_arrived.lock().ok().and_then(|mut slot| slot.take());
+        if let (Some(image), Some(path)) = (arrived, self.screenshot.take()) {
+            let cut = image.region(&self.view_rect, None);
+            self.files.save_picture(path, cut);
+        }
+    }
+
+    /// Asks egui for the pixels of this frame.
+    pub(super) fn request_screenshot(&self, ctx: &egui::Context) {
+        let (slot, wake) = (Arc::clone(&self.screenshot_arrived), ctx.clone());
+        ctx.request_screenshot(move |image| {
+            if let Ok(mut slot) = slot.lock() {
+                *slot = Some(image);
+            }
+            wake.request_repaint();
+        });
+    }
+
+    fn panels(&mut self, ui: &mut egui::Ui, out: &mut Commands) {
+        let (mut left_open, mut right_open) = (self.state.left_open, self.state.right_open);
+        let model = self.model();
+        let bar = egui::Frame::new().fill(theme::PANEL).inner_margin(egui::Margin::symmetric(8, 4));
+        egui::Panel::top("menu").frame(bar).show(ui, |ui| panels::menu::show(ui, &model, out));
+        if self.state.show_status {
+            let bar = egui::Frame::new().fill(theme::PANEL).inner_margin(egui::Margin::symmetric(8, 2));
+            egui::Panel::bottom("status").frame(bar).show(ui, |ui| panels::status::show(ui, &model));
+        }
+        let side =
+            |panel: egui::Panel| panel.resizable(false).exact_size(theme::PANEL_WIDTH).drag_to_open(false);
+        side(egui::Panel::left("left")).show_collapsible(ui, &mut left_open, |ui| {
+            scroll(ui, "left scroll", |ui| {
+                panels::section(ui, "Lights", true, |ui| panels::lights::show(ui, &model, out));
+                panels::section(ui, "Views", true, |ui| panels::views::show(ui, &model, out));
+                panels::section(ui, "Materials", true, |ui| panels::materials::show(ui, &model, out));
+            });
+        });
+        side(egui::Panel::right("right")).show_collapsible(ui, &mut right_open, |ui| {
+            scroll(ui, "right scroll", |ui| {
+                panels::section(ui, "Solver", true, |ui| panels::solver::show_or_hint(ui, &model, out));
+                panels::section(ui, "Display", true, |ui| panels::display::show(ui, &model, out));
+                panels::section(ui, "Inspect", true, |ui| panels::inspect::show(ui, &model, out));
+            });
+        });
+        if self.help_open {
+            panels::help::show(ui, out);
+        }
+    }
+
+    /// What panels show in this frame.
+    pub(super) fn model(&self) -> Model<'_> {
+        let prepared = self.picture.prepared.as_deref();
+        Model {
+            snapshot: &self.snapshot,
+            scene: prepared.map(|p| &*p.scene),
+            mesh: prepared.map(|p| &*p.mesh),
+            light: &self.picture.light,
+            reflectance: &self.picture.reflectance,
+            aspect: prepared.map_or(&[], |p| &p.aspect),
+            edits: &self.edits,
+            state: &self.state,
+            views: &self.views,
+            scale: self.scale,
+            ev: self.exposure_in_force().ev100,
+            fov_deg: self.camera.as_ref().map_or(60.0, |c| c.pose().fov_y_deg),
+            inspected: self.inspected,
+            solo: self.solo.as_ref().map(|(lamp, _)| *lamp),
+            has_comparison: self.picture.has_comparison(),
+            last_change: &self.last_change,
+            can: [self.history.can_undo(), self.history.can_redo()],
+            frame_secs: self.frame_secs,
+            memory: self.memory.1,
+        }
+    }
+
+    fn ask_for_path(&mut self, ui: &egui::Ui) {
+        let Some(mut dialog) = self.path_dialog.take() else { return };
+        match (dialog.show(ui), dialog.kind) {
+            (Answer::Waiting, _) => self.path_dialog = Some(dialog),
+            (Answer::Cancelled, _) => {}
+            (Answer::Path(path), None) => self.open(SceneSource::File(path)),
+            (Answer::Path(path), Some(kind)) => self.save_to(kind, path),
+        }
+    }
+
+    fn measure_costs(&mut self, ctx: &egui::Context, frame: &eframe::Frame) {
+        if let Some(secs) = frame.info().cpu_usage {
+            self.frame_secs += (f64::from(secs) - self.frame_secs) * 0.2;
+        }
+        let time = ctx.input(|i| i.time);
+        if time - self.memory.0 > 1.0 {
+            self.memory = (time, resident_bytes());
+        }
+    }
+}
+
+impl eframe::App for App {
+    fn logic(&mut self, ctx: &egui::Context, frame: &mut eframe::Frame) {
+        self.measure_costs(ctx, frame);
+        self.listen(ctx);
+    }
+
+    fn ui(&mut self, ui: &mut egui::Ui, _frame: &mut eframe::Frame) {
+        let mut out = Commands::new();
+        if std::mem::take(&mut self.tab_pressed) {
+            out.push(super::command::Command::TogglePanels);
+        }
+        input::commands(ui.ctx(), &self.model(), self.help_open, &mut out);
+        self.dropped_files(ui, &mut out);
+        self.panels(ui, &mut out);
+        // Before the picture is drawn: a switched lamp is dark in this very frame.
+        self.execute_all(ui.ctx(), &mut out);
+        let pointer_up = ui.input(|i| !i.pointer.any_down());
+        if pointer_up {
+            self.history.seal();
+        }
+        egui::CentralPanel::no_frame().show(ui, |ui| self.show_view(ui, &mut out));
+        self.ask_for_path(ui);
+        let any = !out.is_empty();
+        self.execute_all(ui.ctx(), &mut out);
+        if any {
+            ui.ctx().request_repaint();
+        }
+    }
+
+    fn raw_input_hook(&mut self, ctx: &egui::Context, raw_input: &mut egui::RawInput) {
+        // Tab folds the panels unless the keyboard is among the widgets already: F6 takes it there.
+        if ctx.memory(|m| m.focused()).is_some() {
+            return;
+        }
+        raw_input.events.retain_mut(|event| match event {
+            egui::Event::Key { key: egui::Key::Tab, pressed, modifiers, .. } if modifiers.is_none() => {
+                self.tab_pressed |= *pressed;
+                false
+            }
+            egui::Event::Key { key, .. } if *key == egui::Key::F6 => {
+                *key = egui::Key::Tab;
+                true
+            }
+            _ => true,
+        });
+    }
+
+    fn save(&mut self, storage: &mut dyn eframe::Storage) {
+        eframe::set_value(storage, STORAGE_KEY, &self.state);
+    }
+
+    fn clear_color(&self, _visuals: &egui::Visuals) -> [f32; 4] {
+        theme::BACKDROP.to_normalized_gamma_f32()
+    }
+}
+
+fn scroll(ui: &mut egui::Ui, name: &str, contents: impl FnOnce(&mut egui::Ui)) {
+    egui::ScrollArea::vertical().id_salt(name).auto_shrink(false).show(ui, |ui| {
+        // Room for the scroll bar, so that nothing is clipped and nothing jumps.
+        ui.set_max_width(ui.available_width() - 8.0);
+        contents(ui);
+    });
+}
+
+/// Memory that this process holds, bytes; known on Linux.
+fn resident_bytes() -> Option<u64> {
+    let status = std::fs::read_to_string("/proc/self/status").ok()?;
+    let line = status.lines().find_map(|line| line.strip_prefix("VmRSS:"))?;
+    line.trim().strip_suffix("kB")?.trim().parse::<u64>().ok().map(|kb| kb * 1024)
+}

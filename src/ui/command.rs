@@ -1,0 +1,151 @@
+//! Everything that the window can be asked to do. Panels, menus, keys and clicks only make
+//! commands; one function carries them out.
+
+use super::camera_control::Motion;
+use super::state::DisplaySettings;
+use crate::scene::{LampState, SceneSource};
+use crate::session::SolveSettings;
+
+/// What is saved to a file.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum SaveKind {
+    /// The view as shown, PNG.
+    Screenshot,
+    /// The view as radiance with further layers, OpenEXR.
+    Hdr,
+    /// Patches with their numbers, CSV.
+    PatchTable,
+    /// Triangles with vertex radiosity, PLY.
+    LitMesh,
+}
+
+impl SaveKind {
+    /// What the menu says.
+    pub(super) fn title(self) -> &'static str {
+        match self {
+            Self::Screenshot => "Save picture (PNG)",
+            Self::Hdr => "Save radiance (EXR)",
+            Self::PatchTable => "Save patch table (CSV)",
+            Self::LitMesh => "Save lit mesh (PLY)",
+        }
+    }
+
+    /// File name extension without the dot.
+    pub(super) fn extension(self) -> &'static str {
+        match self {
+            Self::Screenshot => "png",
+            Self::Hdr => "exr",
+            Self::PatchTable => "csv",
+            Self::LitMesh => "ply",
+        }
+    }
+}
+
+/// One thing that the user asks for.
+#[derive(Clone, Debug, PartialEq)]
+#[must_use = "a command does nothing until it is carried out"]
+pub(super) enum Command {
+    /// Open this scene.
+    Open(SceneSource),
+    /// Choose a file and open it.
+    OpenDialog,
+    /// Read the present scene again.
+    Reload,
+    /// Ask for a file name, then save.
+    Save(SaveKind),
+    /// Save a picture under a free name in the pictures folder, without asking.
+    QuickScreenshot,
+    /// Put a lamp into this state.
+    SetLamp(usize, LampState),
+    /// Switch a lamp over.
+    ToggleLamp(usize),
+    /// All on or all off.
+    AllLamps(bool),
+    /// This one on, all others off; once more: as before.
+    SoloLamp(usize),
+    /// As the file has them.
+    ResetLamps,
+    /// A new reflectance; `None` restores that of the file.
+    SetReflectance(usize, Option<[f64; 3]>),
+    /// All as the file has them.
+    ResetMaterials,
+    /// How the picture is made.
+    SetDisplay(DisplaySettings),
+    /// Back by one edit.
+    Undo,
+    /// Forward by one edit.
+    Redo,
+    /// Keep the present light as state A of the comparison.
+    StoreComparison,
+    /// Glide to a bookmark.
+    GoToView(usize),
+    /// To the next (1) or previous (-1) bookmark.
+    StepView(i32),
+    /// To the start view.
+    Home,
+    /// Keep the present view as a bookmark until the scene is closed.
+    StoreView,
+    /// Walk or fly.
+    SetMotion(Motion),
+    /// Eyes above the floor, metres.
+    SetEyeHeight(f64),
+    /// Vertical field of view, degrees.
+    SetFov(f64),
+    /// Let the solve rest, or go on.
+    Pause(bool),
+    /// End the solve.
+    Stop,
+    /// Solve with other settings.
+    Solve(SolveSettings),
+    /// Look into this patch, or into none.
+    Inspect(Option<u32>),
+    /// Glide to where this patch is seen well, and look into it.
+    JumpToPatch(u32),
+    /// Show or hide both side panels.
+    TogglePanels,
+    /// Show or hide the left panel.
+    ToggleLeft,
+    /// Show or hide the right panel.
+    ToggleRight,
+    /// Show or hide the line at the bottom.
+    ToggleStatus,
+    /// Show or hide the keys.
+    ToggleHelp,
+    /// Load files again when they change.
+    ReloadOnChange(bool),
+    /// Take the message away.
+    DismissMessage,
+    /// Close the window.
+    Quit,
+}
+
+/// What an edit touches: edits of one thing in one gesture make one step of undo.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum EditKey {
+    /// One lamp.
+    Lamp(usize),
+    /// All lamps at once.
+    Lamps,
+    /// One material.
+    Material(usize),
+    /// All materials at once.
+    Materials,
+    /// The display.
+    Display,
+}
+
+impl Command {
+    /// What undo covers and whether successive ones melt into one step; `None` for other commands.
+    pub(super) fn edit_key(&self) -> Option<EditKey> {
+        match self {
+            Self::SetLamp(lamp, _) => Some(EditKey::Lamp(*lamp)),
+            Self::ToggleLamp(_) | Self::AllLamps(_) | Self::SoloLamp(_) | Self::ResetLamps => {
+                Some(EditKey::Lamps)
+            }
+            Self::SetReflectance(material, _) => Some(EditKey::Material(*material)),
+            Self::ResetMaterials => Some(EditKey::Materials),
+            Self::SetDisplay(_) => Some(EditKey::Display),
+            _ => None,
+        }
+    }
+}

@@ -1,0 +1,378 @@
+//! Carrying commands out: the one place where the window changes.
+
+use super::app::App;
+use super::camera_control::{CameraControl, Pose};
+use super::command::{Command, EditKey, SaveKind};
+use super::files::{SaveJob, free_name, pictures_folder};
+use super::overlay::Notice;
+use super::panels::Commands;
+use super::picture::shading_of;
+use super::state::Edits;
+use super::{camera_control, units};
+use crate::display::Exposure;
+use crate::geometry::Ray;
+use crate::scene::{LampState, Lighting, SceneSource, View};
+use crate::session::MaterialEdit;
+use glam::DVec3;
+use std::path::PathBuf;
+use std::sync::Arc;
+use std::time::Instant;
+
+impl App {
+    /// Carries out and forgets all of `commands`.
+    pub(super) fn execute_all(&mut self, ctx: &egui::Context, commands: &mut Commands) {
+        for command in std::mem::take(commands) {
+            self.execute(ctx, command);
+        }
+    }
+
+    fn execute(&mut self, ctx: &egui::Context, command: Command) {
+        if let Some(key) = command.edit_key() {
+            let discrete = !matches!(
+                command,
+                Command::SetLamp(..) | Command::SetReflectance(..) | Command::SetDisplay(_)
+            );
+            let (edits, solo) = self.edited(&command);
+            self.apply(key, edits);
+            if solo.is_some() || !matches!(command, Command::SetDisplay(_) | Command::SetReflectance(..)) {
+                self.solo = solo;
+            }
+            if discrete {
+                self.history.seal();
+            }
+            return;
+        }
+        match command {
+            Command::Undo => {
+                if let Some(edits) = self.history.undo(self.edits.clone()) {
+                    self.replace_edits(edits);
+                }
+            }
+            Command::Redo => {
+                if let Some(edits) = self.history.redo(self.edits.clone()) {
+                    self.replace_edits(edits);
+                }
+            }
+            Command::Open(source) => self.open(source),
+            Command::OpenDialog => self.files.open_dialog(),
+            Command::Reload => self.reload(),
+            Command::Save(SaveKind::Screenshot) if self.viewport.is_none() => {}
+            Command::Save(kind) => self.files.save_dialog(kind, &self.suggested_path(kind)),
+            Command::QuickScreenshot => {
+                self.save_to(SaveKind::Screenshot, self.suggested_path(SaveKind::Screenshot))
+            }
+            Command::StoreComparison => self.picture.store_comparison(),
+            Command::GoToView(index) => self.go_to(index),
+            Command::StepView(step) => self.step_view(step),
+            Command::Home => {
+                let start = self.picture.prepared.as_ref().map_or(0, |p| p.scene.start_view);
+                self.go_to(start);
+            }
+            Command::StoreView => self.store_view(),
+            Command::SetMotion(motion) => {
+                self.state.motion = motion;
+                if let Some(camera) = &mut self.camera {
+                    camera.set_motion(motion);
+                }
+            }
+            Command::SetEyeHeight(metres) => {
+                self.state.eye_height = metres;
+                if let Some(camera) = &mut self.camera {
+                    camera.set_eye_height(metres);
+                }
+            }
+            Command::SetFov(degrees) => {
+                if let Some(camera) = &mut self.camera {
+                    camera.set_fov(degrees);
+                }
+            }
+            Command::Pause(true) => self.worker.pause(),
+            Command::Pause(false) => self.worker.resume(),
+            Command::Stop => self.worker.stop(),
+            Command::Solve(settings) => self.worker.set_settings(settings),
+            Command::Inspect(patch) => self.inspected = patch,
+            Command::JumpToPatch(patch) => self.jump_to(patch),
+            Command::TogglePanels => {
+                let open = self.state.left_open || self.state.right_open;
+                (self.state.left_open, self.state.right_open) = (!open, !open);
+            }
+            Command::ToggleLeft => self.state.left_open = !self.state.left_open,
+            Command::ToggleRight => self.state.right_open = !self.state.right_open,
+            Command::ToggleHelp => self.help_open = !self.help_open,
+            Command::ToggleStatus => self.state.show_status = !self.state.show_status,
+            Command::ReloadOnChange(reload) => self.state.reload_on_change = reload,
+            Command::DismissMessage => {
+                self.dismissed = self.notice.take().map(|notice| notice.text);
+            }
+            Command::Quit => ctx.send_viewport_cmd(egui::ViewportCommand::Close),
+            // Edits have a key and were carried out above.
+            Command::SetLamp(..)
+            | Command::ToggleLamp(_)
+            | Command::AllLamps(_)
+            | Command::SoloLamp(_)
+            | Command::ResetLamps
+            | Command::SetReflectance(..)
+            | Command::ResetMaterials
+            | Command::SetDisplay(_) => {}
+        }
+    }
+
+    /// The edits that a command makes of the present ones, and which lamp then stands alone.
+    fn edited(&self, command: &Command) -> (Edits, Option<(usize, Lighting)>) {
+        let mut edits = self.edits.clone();
+        let mut solo = None;
+        let lamps = &mut edits.lighting.lamps;
+        match command {
+            Command::SetLamp(index, state) => {
+                if let Some(lamp) = lamps.get_mut(*index) {
+                    *lamp = *state;
+                }
+            }
+            Command::ToggleLamp(index) => {
+                if let Some(lamp) = lamps.get_mut(*index) {
+                    lamp.on = !lamp.on;
+                }
+            }
+            Command::AllLamps(on) => lamps.iter_mut().for_each(|lamp| lamp.on = *on),
+            Command::SoloLamp(index) => match &self.solo {
+                Some((alone, before)) if alone == index => edits.lighting.clone_from(before),
+                other => {
+                    let before = other.as_ref().map_or(&self.edits.lighting, |(_, before)| before).clone();
+                    for (k, lamp) in lamps.iter_mut().enumerate() {
+                        lamp.on = k == *index;
+                    }
+                    solo = Some((*index, before));
+                }
+            },
+            Command::ResetLamps => {
+                if let Some(prepared) = &self.picture.prepared {
+                    edits.lighting = prepared.scene.lighting();
+                }
+            }
+            Command::SetReflectance(index, value) => {
+                if let Some(slot) = edits.reflectance.get_mut(*index) {
+                    *slot = *value;
+                }
+            }
+            Command::ResetMaterials => edits.reflectance.fill(None),
+            Command::SetDisplay(display) => edits.display = *display,
+            _ => {}
+        }
+        (edits, solo)
+    }
+
+    fn apply(&mut self, key: EditKey, edits: Edits) {
+        if edits != self.edits {
+            self.history.record(key, self.edits.clone());
+            self.replace_edits(edits);
+        }
+    }
+
+    /// Puts other edits into force and does what the difference asks for, and no more.
+    fn replace_edits(&mut self, edits: Edits) {
+        let before = std::mem::replace(&mut self.edits, edits);
+        if before.lighting != self.edits.lighting {
+            let start = Instant::now();
+            self.picture.relight(&self.edits.lighting);
+            let what = self.describe_lamps(&before.lighting);
+            let took = units::duration(start.elapsed().as_secs_f64());
+            self.last_change = format!("{what}: 0 rows, 0 sweeps, {took}");
+            self.stale.light = true;
+            self.stale.exposure = true;
+        }
+        if before.reflectance != self.edits.reflectance {
+            let edits = self.edits.reflectance.iter().enumerate();
+            let edits = edits.filter_map(|(material, value)| {
+                value.map(|reflectance| MaterialEdit { material: material as u32, reflectance })
+            });
+            self.worker.set_materials(edits.collect());
+        }
+        if before.display != self.edits.display {
+            self.state.display = self.edits.display;
+            self.stale.light = true;
+        }
+    }
+
+    fn describe_lamps(&self, before: &Lighting) -> String {
+        let changed: Vec<usize> = (0..self.edits.lighting.lamps.len())
+            .filter(|&k| before.lamps.get(k) != self.edits.lighting.lamps.get(k))
+            .collect();
+        let name = |k: usize| {
+            let scene = self.picture.prepared.as_ref().map(|p| &p.scene);
+            scene.and_then(|s| s.luminaires.get(k)).map_or_else(|| format!("lamp {k}"), |l| l.name.clone())
+        };
+        match changed[..] {
+            [k] => {
+                let now = self.edits.lighting.lamps[k];
+                match before.lamps.get(k) {
+                    Some(LampState { on, .. }) if *on != now.on => {
+                        format!("{} {}", name(k), if now.on { "on" } else { "off" })
+                    }
+                    Some(LampState { dimmer, .. }) if *dimmer != now.dimmer => {
+                        format!("{} at {:.0} %", name(k), 100.0 * now.dimmer)
+                    }
+                    _ => format!("{} recoloured", name(k)),
+                }
+            }
+            _ => format!("{} lamps switched", changed.len()),
+        }
+    }
+
+    /// Opens a scene; the present one stays until the new one is ready, and if it fails.
+    pub(super) fn open(&mut self, source: SceneSource) {
+        if let SceneSource::File(path) = &source {
+            self.state.remember(path);
+        }
+        (self.notice, self.dismissed) = (None, None);
+        self.worker.open(source);
+    }
+
+    pub(super) fn reload(&mut self) {
+        let source = self.picture.prepared.as_ref().map(|p| p.scene.source.clone());
+        if let Some(source) = source {
+            self.open(source);
+        }
+    }
+
+    /// A mesh has come to the screen: of another scene, or of the same one cut differently.
+    pub(super) fn adopt_scene(&mut self) {
+        let Some(prepared) = self.picture.prepared.clone() else { return };
+        self.stale.mesh = true;
+        self.inspected = None;
+        self.seen = Default::default();
+        let scene = Arc::clone(&prepared.scene);
+        if self.scene_shown.as_ref().is_some_and(|shown| Arc::ptr_eq(shown, &scene)) {
+            return;
+        }
+        let reloaded = self.scene_shown.as_ref().is_some_and(|shown| shown.source == scene.source);
+        self.files.watch(Some(&scene.source));
+        self.edits = Edits::of_scene(&scene, self.edits.display);
+        self.history.clear();
+        self.solo = None;
+        self.views.clone_from(&scene.views);
+        self.scene_shown = Some(Arc::clone(&scene));
+        self.exposure = Default::default();
+        if reloaded && self.camera.is_some() {
+            return;
+        }
+        let up = scene.up.vector();
+        let size = prepared.bounds.size();
+        let start = scene.views.get(scene.start_view).or(scene.views.first());
+        self.camera = start.map(|view| {
+            CameraControl::new(
+                view,
+                up,
+                size.dot(up),
+                size.length(),
+                self.state.motion,
+                self.state.eye_height,
+            )
+        });
+    }
+
+    fn go_to(&mut self, index: usize) {
+        if let (Some(view), Some(camera)) = (self.views.get(index), &mut self.camera) {
+            let pose = camera.pose_of(view);
+            camera.travel_to(pose);
+            self.view_index = Some(index);
+        }
+    }
+
+    fn step_view(&mut self, step: i32) {
+        let count = self.views.len() as i32;
+        if count > 0 {
+            let now = self.view_index.map_or(if step > 0 { -1 } else { 0 }, |k| k as i32);
+            self.go_to((now + step).rem_euclid(count) as usize);
+        }
+    }
+
+    fn store_view(&mut self) {
+        let Some(camera) = self.camera() else { return };
+        let free = |k: &usize| self.views.iter().all(|v| v.name != format!("View {k}"));
+        let number = (self.views.len() + 1..).find(free).unwrap_or(1);
+        self.views.push(View {
+            name: format!("View {number}"),
+            eye: camera.eye,
+            target: camera.eye + camera.forward,
+            fov_y_deg: camera.fov_y_deg,
+        });
+        self.view_index = Some(self.views.len() - 1);
+    }
+
+    /// Glides to where a patch is seen from nearly straight ahead, nothing being in between.
+    fn jump_to(&mut self, patch: u32) {
+        let Some(prepared) = self.picture.prepared.clone() else { return };
+        let (Some(target), Some(camera)) = (prepared.mesh.patches.get(patch as usize), &mut self.camera)
+        else {
+            return;
+        };
+        self.inspected = Some(patch);
+        // A little off the normal: looking straight down has no heading.
+        let aside =
+            (camera.pose().eye - target.centre).reject_from_normalized(target.normal).normalize_or(DVec3::X);
+        let outwards = (target.normal + 0.25 * aside).normalize();
+        let wanted = (6.0 * target.radius).clamp(0.02 * prepared.mesh.size, 0.3 * prepared.mesh.size);
+        let start = target.centre + target.normal * (1e-6 * prepared.mesh.size);
+        let ray = Ray { origin: start, direction: outwards };
+        let free = prepared.picker.nearest(&ray, 2.0 * wanted).map_or(wanted, |hit| 0.8 * hit.distance);
+        let view = View {
+            name: String::new(),
+            eye: target.centre + outwards * wanted.min(free),
+            target: target.centre,
+            fov_y_deg: camera.pose().fov_y_deg,
+        };
+        camera.set_motion(camera_control::Motion::Fly);
+        self.state.motion = camera_control::Motion::Fly;
+        let pose: Pose = camera.pose_of(&view);
+        camera.travel_to(pose);
+    }
+
+    /// The exposure that the picture is drawn with.
+    pub(super) fn exposure_in_force(&self) -> Exposure {
+        let display = &self.edits.display;
+        if display.auto_exposure {
+            Exposure { ev100: self.exposure.ev() }.brighter(display.compensation)
+        } else {
+            Exposure { ev100: display.ev }
+        }
+    }
+
+    /// Where a file of this kind would go.
+    pub(super) fn suggested_path(&self, kind: SaveKind) -> PathBuf {
+        let scene = self.picture.prepared.as_ref().map(|p| &p.scene);
+        let stem = scene.map_or("lumenwalk", |s| s.name.as_str());
+        let folder = match (kind, scene.map(|s| &s.source)) {
+            (SaveKind::Screenshot, _) | (_, None | Some(SceneSource::Builtin(_))) => pictures_folder(),
+            (_, Some(SceneSource::File(path))) => path.parent().map_or_else(pictures_folder, PathBuf::from),
+        };
+        free_name(&folder, stem, kind.extension())
+    }
+
+    /// Saves on a helper thread; the outcome comes as a message.
+    pub(super) fn save_to(&mut self, kind: SaveKind, path: PathBuf) {
+        let (Some(prepared), Some(camera)) = (self.picture.prepared.clone(), self.camera()) else { return };
+        let path = if path.extension().is_none() { path.with_extension(kind.extension()) } else { path };
+        if kind == SaveKind::Screenshot {
+            self.screenshot = Some(path);
+            self.screenshot_wanted = true;
+            return;
+        }
+        let job = SaveJob {
+            prepared,
+            light: self.picture.light.clone(),
+            reflectance: Arc::clone(&self.picture.reflectance),
+            lighting: self.edits.lighting.clone(),
+            camera,
+            size_px: self.view_size_px,
+            shading: shading_of(self.edits.display.shading),
+            exposure: self.exposure_in_force(),
+            tone_map: self.edits.display.tone_map,
+        };
+        self.files.save(kind, path, job);
+    }
+
+    /// Tells the user something that went wrong.
+    pub(super) fn complain(&mut self, text: String) {
+        self.notice = Some(Notice { text, is_error: true, since: 0.0 });
+    }
+}

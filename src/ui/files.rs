@@ -1,0 +1,312 @@
+//! Files that come and go beside the frames: dialogs, saving, and watching for changes. Each runs
+//! on a thread of its own and reports by a channel.
+
+use super::command::SaveKind;
+use super::picture::Prepared;
+use crate::display::{Exposure, Shading, ToneMap, srgb_encode};
+use crate::export::{
+    ExportError, LitMesh, PatchRow, StillLayers, write_exr, write_patch_table, write_ply, write_png,
+};
+use crate::render::{Camera, StillInput, StillOptions, render_still};
+use crate::scene::{Lighting, SceneSource};
+use crate::solver::{PatchLight, patch_emission};
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
+use std::time::{Duration, Instant, SystemTime};
+
+/// A dialog that answers "none" faster than this never came up (no portal on this desktop).
+const NEVER_SHOWN: Duration = Duration::from_millis(300);
+/// How often a file is looked at for changes.
+const WATCH_EVERY: Duration = Duration::from_millis(700);
+
+/// What a helper thread tells.
+#[derive(Debug)]
+pub(super) enum FileNews {
+    /// A scene was chosen.
+    Opened(PathBuf),
+    /// A name to save under was chosen.
+    SaveAs(SaveKind, PathBuf),
+    /// The dialog was closed without a choice.
+    Cancelled,
+    /// The desktop has no file dialog: ask inside the window.
+    NoDialog(Option<SaveKind>),
+    /// Saved.
+    Saved(PathBuf),
+    /// Not saved, and why.
+    SaveFailed(String),
+    /// A watched file changed.
+    Changed,
+}
+
+/// Everything that a save needs, taken at the moment of asking.
+pub(super) struct SaveJob {
+    pub(super) prepared: Arc<Prepared>,
+    pub(super) light: PatchLight,
+    pub(super) reflectance: Arc<Vec<[f32; 3]>>,
+    pub(super) lighting: Lighting,
+    pub(super) camera: Camera,
+    pub(super) size_px: [u32; 2],
+    pub(super) shading: Shading,
+    pub(super) exposure: Exposure,
+    pub(super) tone_map: ToneMap,
+}
+
+/// The helper threads' end of the window.
+pub(super) struct Files {
+    sender: Sender<FileNews>,
+    receiver: Receiver<FileNews>,
+    ctx: egui::Context,
+    /// Dropping it ends the watcher.
+    watcher: Option<Sender<()>>,
+}
+
+impl Files {
+    pub(super) fn new(ctx: egui::Context) -> Self {
+        let (sender, receiver) = channel();
+        Self { sender, receiver, ctx, watcher: None }
+    }
+
+    /// What has happened since the last look.
+    pub(super) fn news(&self) -> Vec<FileNews> {
+        self.receiver.try_iter().collect()
+    }
+
+    fn spawn(&self, name: &str, work: impl FnOnce() -> FileNews + Send + 'static) {
+        let (sender, ctx) = (self.sender.clone(), self.ctx.clone());
+        let run = move || {
+            // Nobody listens any more when the window has closed.
+            sender.send(work()).ok();
+            ctx.request_repaint();
+        };
+        if let Err(error) = std::thread::Builder::new().name(name.to_owned()).spawn(run) {
+            let text = format!("no thread could be started: {error}");
+            self.sender.send(FileNews::SaveFailed(text)).ok();
+        }
+    }
+
+    /// Asks for a scene to open.
+    pub(super) fn open_dialog(&self) {
+        let dialog = rfd::AsyncFileDialog::new()
+            .set_title("Open a scene")
+            .add_filter("Wavefront OBJ", &["obj", "OBJ"]);
+        let choice = dialog.pick_file();
+        self.spawn("open dialog", move || {
+            let asked = Instant::now();
+            match pollster::block_on(choice) {
+                Some(file) => FileNews::Opened(file.path().to_owned()),
+                None if asked.elapsed() < NEVER_SHOWN => FileNews::NoDialog(None),
+                None => FileNews::Cancelled,
+            }
+        });
+    }
+
+    /// Asks for a name to save under.
+    pub(super) fn save_dialog(&self, kind: SaveKind, suggestion: &Path) {
+        let mut dialog = rfd::AsyncFileDialog::new()
+            .set_title(kind.title())
+            .add_filter(kind.extension().to_uppercase(), &[kind.extension()]);
+        if let Some(folder) = suggestion.parent() {
+            dialog = dialog.set_directory(folder);
+        }
+        if let Some(name) = suggestion.file_name() {
+            dialog = dialog.set_file_name(name.to_string_lossy());
+        }
+        let choice = dialog.save_file();
+        self.spawn("save dialog", move || {
+            let asked = Instant::now();
+            match pollster::block_on(choice) {
+                Some(file) => FileNews::SaveAs(kind, file.path().to_owned()),
+                None if asked.elapsed() < NEVER_SHOWN => FileNews::NoDialog(Some(kind)),
+                None => FileNews::Cancelled,
+            }
+        });
+    }
+
+    /// Writes a picture of `pixels`.
+    pub(super) fn save_picture(&self, path: PathBuf, pixels: egui::ColorImage) {
+        self.spawn("save picture", move || {
+            let bytes: Vec<u8> = pixels.pixels.iter().flat_map(|p| p.to_array()).collect();
+            let [width, height] = pixels.size.map(|n| n as u32);
+            told(write_png(&path, width, height, &bytes), path)
+        });
+    }
+
+    /// Writes the radiance, the patch table or the lit mesh.
+    pub(super) fn save(&self, kind: SaveKind, path: PathBuf, job: SaveJob) {
+        self.spawn("save", move || {
+            let result = match kind {
+                SaveKind::Hdr | SaveKind::Screenshot => save_still(&path, &job),
+                SaveKind::PatchTable => save_patch_table(&path, &job),
+                SaveKind::LitMesh => save_lit_mesh(&path, &job),
+            };
+            told(result, path)
+        });
+    }
+
+    /// Watches the files of a scene from now on, or none.
+    pub(super) fn watch(&mut self, source: Option<&SceneSource>) {
+        self.watcher = None;
+        let Some(SceneSource::File(path)) = source else { return };
+        let files = ["obj", "mtl", "toml"].map(|extension| path.with_extension(extension));
+        let files: Vec<PathBuf> = [path.clone()].into_iter().chain(files).collect();
+        let (keep, dropped) = channel::<()>();
+        let (sender, ctx) = (self.sender.clone(), self.ctx.clone());
+        let watch = move || {
+            let mut seen = stamps(&files);
+            while dropped.recv_timeout(WATCH_EVERY) == Err(RecvTimeoutError::Timeout) {
+                let now = stamps(&files);
+                // Half-written files are left alone until they rest for one round.
+                if now != seen && now == after_a_moment(&files) {
+                    seen = now;
+                    if sender.send(FileNews::Changed).is_err() {
+                        return;
+                    }
+                    ctx.request_repaint();
+                }
+            }
+        };
+        if std::thread::Builder::new().name("file watcher".to_owned()).spawn(watch).is_ok() {
+            self.watcher = Some(keep);
+        }
+    }
+}
+
+fn stamps(files: &[PathBuf]) -> Vec<Option<(SystemTime, u64)>> {
+    let stamp = |path: &PathBuf| {
+        let meta = std::fs::metadata(path).ok()?;
+        Some((meta.modified().ok()?, meta.len()))
+    };
+    files.iter().map(stamp).collect()
+}
+
+fn after_a_moment(files: &[PathBuf]) -> Vec<Option<(SystemTime, u64)>> {
+    std::thread::sleep(Duration::from_millis(150));
+    stamps(files)
+}
+
+fn told(result: Result<(), ExportError>, path: PathBuf) -> FileNews {
+    match result {
+        Ok(()) => FileNews::Saved(path),
+        Err(error) => FileNews::SaveFailed(error.to_string()),
+    }
+}
+
+/// A free name `NAME.png`, `NAME-2.png`, ... in the folder for pictures, or in the current one.
+pub(super) fn free_name(folder: &Path, stem: &str, extension: &str) -> PathBuf {
+    let stem: String =
+        stem.chars().map(|c| if c.is_alphanumeric() || "-_. ".contains(c) { c } else { '_' }).collect();
+    let named = |k: u32| match k {
+        1 => folder.join(format!("{stem}.{extension}")),
+        _ => folder.join(format!("{stem}-{k}.{extension}")),
+    };
+    (1..10_000).map(named).find(|path| !path.exists()).unwrap_or_else(|| named(10_000))
+}
+
+/// The user's folder for pictures where there is one, else home, else the current folder.
+pub(super) fn pictures_folder() -> PathBuf {
+    let home = std::env::var_os("HOME").or_else(|| std::env::var_os("USERPROFILE")).map(PathBuf::from);
+    let pictures = home.as_ref().map(|h| h.join("Pictures")).filter(|p| p.is_dir());
+    pictures.or(home.filter(|h| h.is_dir())).unwrap_or_else(|| PathBuf::from("."))
+}
+
+fn save_still(path: &Path, job: &SaveJob) -> Result<(), ExportError> {
+    let display = &job.prepared.display;
+    let input = StillInput {
+        mesh: display,
+        picker: &job.prepared.picker,
+        textures: &job.prepared.scene.textures,
+        corner_radiosity: &display.corner_radiosity(&job.light.radiosity, &job.light.irradiance, job.shading),
+        corner_irradiance: &display.corner_values(&job.light.irradiance, job.shading),
+    };
+    let options = StillOptions::new(job.size_px, job.exposure, job.tone_map);
+    let Some(still) = render_still(&input, &job.camera, &options, &|_| true) else { return Ok(()) };
+    if path.extension().is_some_and(|e| e.eq_ignore_ascii_case("png")) {
+        return write_png(path, still.width, still.height, &still.to_rgba8());
+    }
+    let layers = StillLayers {
+        width: still.width,
+        height: still.height,
+        radiance: &still.radiance,
+        irradiance: &still.irradiance,
+        patch: &still.patch_id,
+        normal: &still.normal,
+        depth: &still.depth,
+    };
+    write_exr(path, &layers)
+}
+
+fn save_patch_table(path: &Path, job: &SaveJob) -> Result<(), ExportError> {
+    let (scene, mesh) = (&job.prepared.scene, &job.prepared.mesh);
+    let per_metre = scene.unit.metres().recip();
+    let rows = mesh.patches.iter().enumerate().map(|(id, patch)| {
+        let object = scene.surfaces.get(patch.surface as usize).map(|surface| surface.object as usize);
+        PatchRow {
+            id,
+            surface: object.and_then(|o| scene.objects.get(o)).map_or("", String::as_str),
+            material: scene.materials.get(patch.material as usize).map_or("", |m| m.name.as_str()),
+            centre: patch.centre * per_metre,
+            normal: patch.normal,
+            area: patch.area,
+            radiosity: job.light.radiosity.get(id).copied().unwrap_or_default(),
+            exitance: patch_emission(patch, &job.lighting),
+            irradiance: job.light.irradiance.get(id).copied().unwrap_or_default(),
+            reflectance: job.reflectance.get(id).copied().unwrap_or_default(),
+        }
+    });
+    write_patch_table(path, rows)
+}
+
+fn save_lit_mesh(path: &Path, job: &SaveJob) -> Result<(), ExportError> {
+    let mesh = &job.prepared.display;
+    let lit = &mesh.corners[..mesh.lit_corners];
+    let radiosity = mesh.corner_values(&job.light.radiosity, job.shading);
+    let factor = job.exposure.factor();
+    let colour = |b: &[f32; 3]| {
+        let mapped = job.tone_map.apply(b.map(|value| value * factor));
+        mapped.map(|value| (srgb_encode(value) * 255.0).round() as u8)
+    };
+    let positions: Vec<[f32; 3]> =
+        lit.iter().map(|c| (c.position.as_dvec3() + mesh.origin).as_vec3().to_array()).collect();
+    let triangles: Vec<[u32; 3]> = mesh
+        .batches
+        .iter()
+        .flat_map(|b| mesh.indices[b.indices.start as usize..b.indices.end as usize].as_chunks::<3>().0)
+        .copied()
+        .collect();
+    let lit_mesh = LitMesh {
+        positions: &positions,
+        normals: &lit.iter().map(|c| c.normal.to_array()).collect::<Vec<_>>(),
+        radiosity: &radiosity,
+        colours: &radiosity.iter().map(colour).collect::<Vec<_>>(),
+        triangles: &triangles,
+    };
+    write_ply(path, &lit_mesh)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_taken_name_is_not_taken_again() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let first = free_name(folder.path(), "house: a/b", "png");
+        assert_eq!(first, folder.path().join("house_ a_b.png"));
+        std::fs::write(&first, "x").expect("written");
+        assert_eq!(free_name(folder.path(), "house: a/b", "png"), folder.path().join("house_ a_b-2.png"));
+    }
+
+    #[test]
+    fn a_change_of_a_sidecar_is_noticed() {
+        let folder = tempfile::tempdir().expect("a folder");
+        let model = folder.path().join("a.obj");
+        std::fs::write(&model, "v 0 0 0").expect("written");
+        let mut files = Files::new(egui::Context::default());
+        files.watch(Some(&SceneSource::File(model.clone())));
+        std::thread::sleep(Duration::from_millis(100));
+        std::fs::write(model.with_extension("toml"), "unit = \"m\"").expect("written");
+        let news = files.receiver.recv_timeout(Duration::from_secs(20));
+        assert!(matches!(news, Ok(FileNews::Changed)), "{news:?}");
+    }
+}

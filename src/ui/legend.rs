@@ -1,0 +1,62 @@
+//! The scale of a false-colour picture: a bar with round values and their unit.
+
+use super::state::Quantity;
+use super::theme;
+use crate::display::FalseColour;
+use egui::{Align2, Color32, FontId, Pos2, Rect, Vec2};
+
+const BAR: Vec2 = Vec2::new(14.0, 170.0);
+const WIDTH: f32 = 112.0;
+const PAD: f32 = 10.0;
+const TITLE: f32 = 20.0;
+
+/// Draws the legend into the lower right corner of `view`.
+pub(super) fn show(ui: &egui::Ui, view: Rect, quantity: Quantity, scale: &FalseColour) {
+    let size = Vec2::new(WIDTH, BAR.y + 2.0 * PAD + TITLE);
+    let ground = Rect::from_min_size(view.max - size - Vec2::splat(12.0), size);
+    if !view.contains_rect(ground) {
+        return;
+    }
+    let painter = ui.painter_at(view);
+    painter.rect_filled(ground, 5.0, Color32::from_black_alpha(178));
+    let title = match quantity.unit() {
+        "" => quantity.name().to_owned(),
+        unit => format!("{} [{unit}]", short_name(quantity)),
+    };
+    let font = FontId::proportional(11.0);
+    painter.text(ground.min + Vec2::splat(PAD), Align2::LEFT_TOP, title, font.clone(), theme::TEXT);
+    let bar = Rect::from_min_size(ground.min + Vec2::new(PAD, PAD + TITLE), BAR);
+    let steps = BAR.y as usize;
+    for step in 0..steps {
+        let position = 1.0 - (step as f64 + 0.5) / steps as f64;
+        let [r, g, b] = scale.map.srgb(position).map(|c| (c * 255.0).round() as u8);
+        let row = Rect::from_min_size(bar.min + Vec2::new(0.0, step as f32), Vec2::new(BAR.x, 1.5));
+        painter.rect_filled(row, 0.0, Color32::from_rgb(r, g, b));
+    }
+    if quantity == Quantity::Sides {
+        for (y, text) in [(bar.top(), "back"), (bar.bottom(), "front")] {
+            painter.text(
+                Pos2::new(bar.right() + 8.0, y),
+                Align2::LEFT_CENTER,
+                text,
+                font.clone(),
+                theme::TEXT,
+            );
+        }
+        return;
+    }
+    for tick in scale.ticks(9) {
+        let y = bar.bottom() - tick.position as f32 * BAR.y;
+        painter.hline(bar.right()..=bar.right() + 4.0, y, (1.0, theme::TEXT));
+        let at = Pos2::new(ground.right() - PAD, y);
+        painter.text(at, Align2::RIGHT_CENTER, tick.label, font.clone(), theme::TEXT);
+    }
+}
+
+fn short_name(quantity: Quantity) -> &'static str {
+    match quantity {
+        Quantity::Difference => "Now - A",
+        Quantity::Area => "Area",
+        other => other.name(),
+    }
+}

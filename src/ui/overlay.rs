@@ -1,0 +1,128 @@
+//! What lies over the picture's corners: the hint, messages, numbers under the cursor.
+
+use super::command::Command;
+use super::panels::{Commands, Model};
+use super::{theme, units};
+use crate::display::luminance;
+use crate::render::Pick;
+use crate::scene::illuminance;
+use egui::{Align2, Area, Color32, Id, Order, Rect, RichText, Vec2};
+
+/// A message to the user.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Notice {
+    /// One sentence.
+    pub(super) text: String,
+    /// A failure stays until it is taken away.
+    pub(super) is_error: bool,
+    /// When it came, seconds of the window's clock.
+    pub(super) since: f64,
+}
+
+/// Seconds for which a message that is no error stays.
+pub(super) const NOTICE_SECS: f64 = 6.0;
+
+fn corner(ui: &egui::Ui, name: &str, view: Rect, align: Align2, contents: impl FnOnce(&mut egui::Ui)) {
+    let inner = view.shrink(12.0);
+    Area::new(Id::unique(name))
+        .order(Order::Middle)
+        .fixed_pos(align.pos_in_rect(&inner))
+        .pivot(align)
+        .constrain_to(inner)
+        .fade_in(false)
+        .show(ui.ctx(), |ui| {
+            theme::overlay().show(ui, |ui| {
+                ui.set_max_width((inner.width() - 24.0).clamp(120.0, 560.0));
+                contents(ui);
+            });
+        });
+}
+
+/// One line that tells how to walk and that lamps can be clicked.
+pub(super) fn hint(ui: &egui::Ui, view: Rect) {
+    corner(ui, "hint", view, Align2::CENTER_TOP, |ui| {
+        ui.style_mut().interaction.selectable_labels = false;
+        ui.label(
+            RichText::new("W A S D and drag to walk  -  click a lamp to switch it  -  hover to read lux  -  F1 for more")
+                .color(Color32::from_gray(235)),
+        );
+    });
+}
+
+/// The present message, with a way to take it away.
+pub(super) fn notice(ui: &egui::Ui, view: Rect, notice: &Notice, out: &mut Commands) {
+    corner(ui, "notice", view, Align2::CENTER_TOP, |ui| {
+        ui.horizontal(|ui| {
+            let (word, colour) =
+                if notice.is_error { ("Error", theme::FAILURE) } else { ("Done", theme::DONE) };
+            ui.label(RichText::new(word).strong().color(colour));
+            ui.add(egui::Label::new(RichText::new(&notice.text).color(Color32::from_gray(235))).wrap());
+            if ui.button("Dismiss").clicked() {
+                out.push(Command::DismissMessage);
+            }
+        });
+    });
+}
+
+/// Where a file may be dropped, while one is over the window.
+pub(super) fn drop_target(ui: &egui::Ui, view: Rect) {
+    let painter = ui.painter_at(view);
+    painter.rect_filled(view, 0.0, Color32::from_black_alpha(150));
+    let font = egui::FontId::proportional(20.0);
+    painter.text(view.center(), Align2::CENTER_CENTER, "Drop an OBJ file to open it", font, theme::ACCENT);
+}
+
+/// What to say while there is no picture yet.
+pub(super) fn waiting(ui: &egui::Ui, view: Rect, text: &str) {
+    let font = egui::FontId::proportional(15.0);
+    ui.painter_at(view).text(view.center(), Align2::CENTER_CENTER, text, font, theme::TEXT_WEAK);
+}
+
+/// The numbers of what lies under the cursor, in the lower left corner.
+pub(super) fn readout(ui: &egui::Ui, view: Rect, model: &Model<'_>, pick: &Pick) {
+    let (Some(scene), Some(mesh)) = (model.scene, model.mesh) else { return };
+    let Some((id, patch)) = pick.patch.and_then(|id| Some((id as usize, mesh.patches.get(id as usize)?)))
+    else {
+        return;
+    };
+    let (Some(irradiance), Some(radiosity)) = (model.light.irradiance.get(id), model.light.radiosity.get(id))
+    else {
+        return;
+    };
+    let size = Vec2::new(300.0, 62.0);
+    let ground = Rect::from_min_size(egui::pos2(view.left() + 12.0, view.bottom() - 12.0 - size.y), size);
+    if !view.contains_rect(ground) {
+        return;
+    }
+    let painter = ui.painter_at(view);
+    painter.rect_filled(ground, 5.0, Color32::from_black_alpha(178));
+    let at = ground.min + Vec2::new(10.0, 7.0);
+    let big = egui::FontId::proportional(17.0);
+    let small = egui::FontId::proportional(11.5);
+    let lux = units::digits(illuminance(irradiance.map(f64::from)));
+    let cd = units::digits(luminance(*radiosity));
+    painter.text(at, Align2::LEFT_TOP, format!("{lux} lx"), big.clone(), theme::TEXT);
+    painter.text(at + Vec2::new(130.0, 0.0), Align2::LEFT_TOP, format!("{cd} cd/m²"), big, theme::TEXT);
+    let rho = model.reflectance.get(id).copied().unwrap_or_default().map(f64::from);
+    let material = scene.materials.get(patch.material as usize).map_or("", |m| m.name.as_str());
+    let lamp = patch.luminaire.and_then(|l| scene.luminaires.get(l as usize));
+    let line = match lamp {
+        Some(lamp) => format!("{}  -  click to switch", lamp.name),
+        None => {
+            format!("{}  reflectance {:.2}", shortened(material, 26), crate::scene::luminance_weighted(rho))
+        }
+    };
+    painter.text(at + Vec2::new(0.0, 22.0), Align2::LEFT_TOP, line, small.clone(), theme::TEXT);
+    let unit = scene.unit;
+    let distance = units::digits(pick.distance / unit.metres());
+    let b = radiosity.map(|x| units::digits(f64::from(x))).join(" ");
+    let line = format!("patch {}  -  B {b} W/m²  -  {distance} {} away", units::count(id), unit.symbol());
+    painter.text(at + Vec2::new(0.0, 37.0), Align2::LEFT_TOP, shortened(&line, 60), small, theme::TEXT_WEAK);
+}
+
+fn shortened(text: &str, most: usize) -> String {
+    if text.chars().count() <= most {
+        return text.to_owned();
+    }
+    text.chars().take(most - 3).chain("...".chars()).collect()
+}

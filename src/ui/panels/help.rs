@@ -1,0 +1,92 @@
+//! The keys, over the picture.
+
+use super::Commands;
+use crate::ui::command::Command;
+use crate::ui::theme;
+use egui::{Align2, Grid, RichText, Vec2};
+
+/// Keys and what they do, by group. The table in the README says the same.
+const KEYS: [(&str, &[(&str, &str)]); 4] = [
+    (
+        "Moving",
+        &[
+            ("W A S D or arrows", "walk"),
+            ("Drag", "look around"),
+            ("Q, E", "down and up, while flying"),
+            ("Shift", "run"),
+            ("Wheel", "a step ahead or back; with Ctrl: zoom"),
+            ("Right drag", "orbit around the point under the cursor"),
+            ("Middle drag", "move sideways"),
+            ("F", "walk or fly"),
+            ("Home", "start view"),
+            ("[ and ]", "previous and next bookmark"),
+            ("B", "store this view as a bookmark"),
+        ],
+    ),
+    (
+        "Light",
+        &[
+            ("Click a lamp", "switch it"),
+            ("1 ... 9", "switch lamp 1 ... 9"),
+            ("0", "all lamps off, or on again"),
+            ("- and +", "darker and brighter picture"),
+            ("P", "pause or resume the solve"),
+        ],
+    ),
+    (
+        "Looking closer",
+        &[
+            ("L", "illuminance in false colours"),
+            ("G", "flat or smooth shading"),
+            ("M", "patch borders"),
+            ("Ctrl-click", "look into a patch"),
+        ],
+    ),
+    (
+        "Window",
+        &[
+            ("Tab", "fold the panels away"),
+            ("F6", "to the panels by keyboard; Tab goes on, Esc leaves"),
+            ("Ctrl-O, F5", "open a file, load it again"),
+            ("F12", "save a picture"),
+            ("Ctrl-Z, Ctrl-Shift-Z", "undo, redo"),
+            ("F1", "this list"),
+        ],
+    ),
+];
+
+/// Shows the list.
+pub(in crate::ui) fn show(ui: &egui::Ui, out: &mut Commands) {
+    let mut open = true;
+    egui::Window::new("Keys")
+        .open(&mut open)
+        .anchor(Align2::CENTER_CENTER, Vec2::ZERO)
+        .resizable(false)
+        .collapsible(false)
+        .show(ui.ctx(), |ui| {
+            ui.columns(2, |columns| {
+                for (column, groups) in columns.iter_mut().zip([&KEYS[..1], &KEYS[1..3]]) {
+                    for group in groups {
+                        keys_of(column, group);
+                    }
+                }
+            });
+            ui.separator();
+            keys_of(ui, &KEYS[3]);
+        });
+    if !open {
+        out.push(Command::ToggleHelp);
+    }
+}
+
+fn keys_of(ui: &mut egui::Ui, (title, keys): &(&str, &[(&str, &str)])) {
+    theme::group_title(ui, title);
+    Grid::new(title).num_columns(2).spacing([14.0, 4.0]).show(ui, |ui| {
+        for (key, meaning) in *keys {
+            ui.label(RichText::new(*key).color(theme::ACCENT));
+            ui.label(*meaning);
+            ui.end_row();
+        }
+    });
+    ui.add_space(6.0);
+}

@@ -1,0 +1,168 @@
+//! The lamps: a switch, a dimmer, solo and a colour each.
+
+use super::{Commands, Model, empty};
+use crate::scene::{LUMINOUS_EFFICACY, LampState, Luminaire, luminance_weighted};
+use crate::ui::colour::{self, MAX_KELVIN, MIN_KELVIN};
+use crate::ui::command::Command;
+use crate::ui::{theme, units};
+use egui::{Align, Button, Color32, Layout, RichText, Slider, Vec2};
+
+/// Shows all lamps of the scene.
+pub(in crate::ui) fn show(ui: &mut egui::Ui, model: &Model<'_>, out: &mut Commands) {
+    let Some(scene) = model.scene else {
+        empty(ui, "No scene is open.");
+        return;
+    };
+    if scene.luminaires.is_empty() {
+        empty(ui, "This scene has no lamps: no material of it emits light (Ke).");
+        return;
+    }
+    ui.horizontal(|ui| {
+        if ui.button("All on").on_hover_text("Switch every lamp on").clicked() {
+            out.push(Command::AllLamps(true));
+        }
+        if ui.button("All off").on_hover_text("Switch every lamp off (0)").clicked() {
+            out.push(Command::AllLamps(false));
+        }
+        if ui.button("Reset lamps").on_hover_text("As the file has them").clicked() {
+            out.push(Command::ResetLamps);
+        }
+    });
+    ui.add_space(2.0);
+    for (index, (luminaire, &state)) in scene.luminaires.iter().zip(&model.edits.lighting.lamps).enumerate() {
+        ui.push_id(index, |ui| lamp_row(ui, model, index, luminaire, state, out));
+    }
+}
+
+fn lamp_row(
+    ui: &mut egui::Ui,
+    model: &Model<'_>,
+    index: usize,
+    luminaire: &Luminaire,
+    state: LampState,
+    out: &mut Commands,
+) {
+    let name = &luminaire.name;
+    let mut new = state;
+    ui.horizontal(|ui| {
+        ui.spacing_mut().item_spacing.x = 5.0;
+        // The controls on the right keep their width; the name takes what is left.
+        ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
+            colour_button(ui, luminaire, state, &mut new);
+            let solo = Button::new("S").selected(model.solo == Some(index)).min_size(Vec2::new(20.0, 18.0));
+            if ui
+                .add(solo)
+                .on_hover_text("Solo: this lamp alone; once more brings the others back")
+                .accessible_name(format!("Solo {name}"))
+                .clicked()
+            {
+                out.push(Command::SoloLamp(index));
+            }
+            ui.spacing_mut().slider_width = 58.0;
+            let mut percent = state.dimmer * 100.0;
+            let slider = Slider::new(&mut percent, 0.0..=100.0).show_value(false);
+            let dimmer = ui.add_enabled(state.on, slider).accessible_name(format!("Dim {name}"));
+            let dimmer = dimmer
+                .on_hover_text(format!("{percent:.0} %  -  {} lm", units::digits(lumens(luminaire, state))));
+            if dimmer.changed() {
+                new.dimmer = (percent / 100.0).clamp(0.0, 1.0);
+            }
+            ui.with_layout(Layout::left_to_right(Align::Center), |ui| {
+                ui.set_min_width(ui.available_width());
+                let text = RichText::new(name).color(if state.on { theme::TEXT } else { theme::TEXT_WEAK });
+                let key = if index < 9 { format!("{name}  (key {})", index + 1) } else { name.clone() };
+                ui.style_mut().wrap_mode = Some(egui::TextWrapMode::Truncate);
+                // The tick is what is lit.
+                ui.visuals_mut().widgets.inactive.fg_stroke.color = theme::ACCENT;
+                ui.visuals_mut().widgets.hovered.fg_stroke.color = theme::ACCENT;
+                ui.checkbox(&mut new.on, text).on_hover_text(key);
+            });
+        });
+    });
+    if new != state {
+        out.push(Command::SetLamp(index, new));
+    }
+}
+
+/// Luminous flux as switched and dimmed, lm.
+fn lumens(luminaire: &Luminaire, state: LampState) -> f64 {
+    LUMINOUS_EFFICACY * luminance_weighted(state.output()) * luminaire.area
+}
+
+fn colour_button(ui: &mut egui::Ui, luminaire: &Luminaire, state: LampState, new: &mut LampState) {
+    let (_, hue) = colour::split(state.exitance);
+    let [r, g, b] = colour::to_bytes(hue);
+    let swatch = Button::new("").fill(Color32::from_rgb(r, g, b)).min_size(Vec2::new(20.0, 16.0));
+    let (response, _) = egui::containers::menu::MenuButton::from_button(swatch)
+        .config(
+            egui::containers::menu::MenuConfig::new()
+                .close_behavior(egui::PopupCloseBehavior::CloseOnClickOutside),
+        )
+        .ui(ui, |ui| colour_menu(ui, luminaire, state, new));
+    response.on_hover_text("Colour and strength").accessible_name(format!("Colour of {}", luminaire.name));
+}
+
+fn colour_menu(ui: &mut egui::Ui, luminaire: &Luminaire, state: LampState, new: &mut LampState) {
+    let name = &luminaire.name;
+    ui.set_min_width(230.0);
+    ui.label(RichText::new(name).strong());
+    let kelvin = colour::nearest_kelvin(state.exitance);
+    // Rounded as shown: the slider must not take its own rounding for a wish.
+    let shown = kelvin.unwrap_or(4000.0).round();
+    let mut chosen = shown;
+    ui.horizontal(|ui| {
+        ui.label("Temperature");
+        let slider = Slider::new(&mut chosen, MIN_KELVIN..=MAX_KELVIN)
+            .logarithmic(true)
+            .suffix(" K")
+            .fixed_decimals(0);
+        if ui.name_inputs(format!("Colour temperature of {name}"), |ui| ui.add(slider)).changed()
+            && chosen != shown
+        {
+            new.exitance = colour::recoloured(state.exitance, colour::black_body(chosen));
+        }
+    });
+    ui.horizontal(|ui| {
+        for (label, kelvin) in [("Candle", 1900.0), ("Warm", 2700.0), ("Neutral", 4000.0), ("Day", 6500.0)] {
+            if ui.button(label).on_hover_text(format!("{kelvin:.0} K")).clicked() {
+                new.exitance = colour::recoloured(state.exitance, colour::black_body(kelvin));
+            }
+        }
+    });
+    ui.horizontal(|ui| {
+        ui.label("Colour");
+        let (_, hue) = colour::split(state.exitance);
+        let mut srgb = colour::to_bytes(hue);
+        let picked = ui.name_inputs(format!("Hue of {name}"), |ui| ui.color_edit_button_srgb(&mut srgb));
+        if picked.changed() {
+            let linear = srgb.map(|c| colour::linear_of_srgb(f64::from(c) / 255.0));
+            new.exitance = colour::recoloured(state.exitance, linear);
+        }
+        if kelvin.is_none() {
+            ui.label(RichText::new("not a white").color(theme::TEXT_WEAK));
+        }
+    });
+    ui.horizontal(|ui| {
+        ui.label("Full output");
+        let full = LampState { on: true, dimmer: 1.0, ..state };
+        let before = lumens(luminaire, full);
+        let shown = before.round();
+        let mut wanted = shown;
+        let drag = egui::DragValue::new(&mut wanted)
+            .range(0.0..=1e7)
+            .speed((before * 0.01).max(0.1))
+            .suffix(" lm")
+            .max_decimals(0);
+        let drag = ui.name_inputs(format!("Lumens of {name}"), |ui| ui.add(drag));
+        if drag.changed() && wanted != shown {
+            new.exitance = if before > 0.0 {
+                state.exitance.map(|e| e * (wanted / before).max(1e-6))
+            } else {
+                [wanted / (LUMINOUS_EFFICACY * luminaire.area.max(1e-9)); 3]
+            };
+        }
+    });
+    if ui.button("As the file has it").clicked() {
+        new.exitance = luminaire.initial.exitance;
+    }
+}

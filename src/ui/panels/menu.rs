@@ -1,0 +1,152 @@
+//! The bar at the top: menus, the name of the scene, and the state of the solve.
+
+use super::solver::{is_running, state_of};
+use super::{Commands, Model};
+use crate::scene::SceneSource;
+use crate::ui::command::{Command, SaveKind};
+use crate::ui::state::{Quantity, ShadingMode};
+use crate::ui::{theme, units};
+use egui::{Button, RichText};
+
+/// The embedded scenes and what the menu says of them.
+const BUILTIN: [(&str, &str); 4] =
+    [("hemicube", "Room of 1985"), ("cornell", "Cornell box"), ("house", "House"), ("gallery", "Gallery")];
+
+/// Shows the bar.
+pub(in crate::ui) fn show(ui: &mut egui::Ui, model: &Model<'_>, out: &mut Commands) {
+    egui::MenuBar::new().ui(ui, |ui| {
+        ui.menu_button("File", |ui| file(ui, model, out));
+        ui.menu_button("Edit", |ui| edit(ui, model, out));
+        ui.menu_button("View", |ui| view(ui, model, out));
+        ui.menu_button("Mesh", |ui| mesh(ui, model, out));
+        ui.menu_button("Help", |ui| item(ui, out, "Keys", "F1", true, Command::ToggleHelp));
+        ui.add_space(10.0);
+        if let Some(scene) = model.scene {
+            let patches = model.mesh.map_or(0, |mesh| mesh.patches.len());
+            let text = format!("{}  -  {} patches", scene.name, units::count(patches));
+            ui.label(RichText::new(text).color(theme::TEXT));
+        }
+        ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| solve_state(ui, model));
+    });
+}
+
+fn solve_state(ui: &mut egui::Ui, model: &Model<'_>) {
+    let (word, colour) = state_of(model.snapshot);
+    let mut text = word.to_owned();
+    if is_running(model.snapshot.stage) {
+        text += &format!("  {:.0} %", 100.0 * model.snapshot.fraction.clamp(0.0, 1.0));
+        if let Some(left) = model.snapshot.seconds_left {
+            text += &format!("  {}", units::duration(left));
+        }
+    }
+    ui.label(RichText::new(text).color(colour));
+    let (rect, _) = ui.allocate_exact_size(egui::Vec2::splat(10.0), egui::Sense::hover());
+    ui.painter().circle_filled(rect.center(), 4.0, colour);
+}
+
+fn item(ui: &mut egui::Ui, out: &mut Commands, text: &str, key: &str, enabled: bool, command: Command) {
+    if ui.add_enabled(enabled, Button::new(text).shortcut_text(key)).clicked() {
+        out.push(command);
+        ui.close();
+    }
+}
+
+fn file(ui: &mut egui::Ui, model: &Model<'_>, out: &mut Commands) {
+    item(ui, out, "Open...", "Ctrl-O", true, Command::OpenDialog);
+    ui.menu_button("Open recent", |ui| {
+        if model.state.recent.is_empty() {
+            ui.label(RichText::new("No file yet").color(theme::TEXT_WEAK));
+        }
+        for path in &model.state.recent {
+            let name = path
+                .file_name()
+                .map_or_else(|| path.display().to_string(), |n| n.to_string_lossy().into_owned());
+            let button = ui.button(name).on_hover_text(path.display().to_string());
+            if button.clicked() {
+                out.push(Command::Open(SceneSource::File(path.clone())));
+                ui.close();
+            }
+        }
+    });
+    ui.menu_button("Embedded scenes", |ui| {
+        for (name, title) in BUILTIN {
+            item(ui, out, title, "", true, Command::Open(SceneSource::Builtin(name.to_owned())));
+        }
+    });
+    item(ui, out, "Reload", "F5", model.scene.is_some(), Command::Reload);
+    let mut reload = model.state.reload_on_change;
+    if ui.checkbox(&mut reload, "Reload when the file changes").changed() {
+        out.push(Command::ReloadOnChange(reload));
+    }
+    ui.separator();
+    let lit = !model.light.radiosity.is_empty();
+    for kind in [SaveKind::Screenshot, SaveKind::Hdr, SaveKind::PatchTable, SaveKind::LitMesh] {
+        let key = if kind == SaveKind::Screenshot { "F12" } else { "" };
+        item(ui, out, kind.title(), key, lit, Command::Save(kind));
+    }
+    ui.separator();
+    item(ui, out, "Quit", "Ctrl-Q", true, Command::Quit);
+}
+
+fn edit(ui: &mut egui::Ui, model: &Model<'_>, out: &mut Commands) {
+    item(ui, out, "Undo", "Ctrl-Z", model.can[0], Command::Undo);
+    item(ui, out, "Redo", "Ctrl-Shift-Z", model.can[1], Command::Redo);
+    ui.separator();
+    item(ui, out, "All lamps on", "", true, Command::AllLamps(true));
+    item(ui, out, "All lamps off", "0", true, Command::AllLamps(false));
+    item(ui, out, "Reset all lamps", "", true, Command::ResetLamps);
+    item(ui, out, "Reset all materials", "", true, Command::ResetMaterials);
+}
+
+fn view(ui: &mut egui::Ui, model: &Model<'_>, out: &mut Commands) {
+    item(ui, out, "To the start view", "Home", true, Command::Home);
+    item(ui, out, "Store this view", "B", true, Command::StoreView);
+    ui.separator();
+    let display = model.edits.display;
+    for quantity in [Quantity::Picture, Quantity::Illuminance, Quantity::Luminance] {
+        let mut new = display;
+        new.quantity = quantity;
+        new.range = None;
+        let key = if quantity == Quantity::Illuminance { "L" } else { "" };
+        item(ui, out, quantity.name(), key, true, Command::SetDisplay(new));
+    }
+    ui.separator();
+    item(ui, out, "Left panel", "", true, Command::ToggleLeft);
+    item(ui, out, "Right panel", "", true, Command::ToggleRight);
+    item(ui, out, "Both panels", "Tab", true, Command::TogglePanels);
+    item(ui, out, "Status line", "", true, Command::ToggleStatus);
+}
+
+fn mesh(ui: &mut egui::Ui, model: &Model<'_>, out: &mut Commands) {
+    let display = model.edits.display;
+    let mut new = display;
+    new.wireframe = !display.wireframe;
+    item(
+        ui,
+        out,
+        if display.wireframe { "Hide patch borders" } else { "Show patch borders" },
+        "M",
+        true,
+        Command::SetDisplay(new),
+    );
+    let mut new = display;
+    let flat = display.shading == ShadingMode::Flat;
+    new.shading = if flat { ShadingMode::Smooth } else { ShadingMode::Flat };
+    item(ui, out, if flat { "Smooth shading" } else { "Flat shading" }, "G", true, Command::SetDisplay(new));
+    ui.separator();
+    for quantity in [
+        Quantity::PatchIds,
+        Quantity::Normals,
+        Quantity::Sides,
+        Quantity::Aspect,
+        Quantity::Area,
+        Quantity::Reflectance,
+    ] {
+        let mut new = display;
+        new.quantity = quantity;
+        new.range = None;
+        item(ui, out, quantity.name(), "", true, Command::SetDisplay(new));
+    }
+    ui.separator();
+    item(ui, out, "Look into no patch", "Esc", model.inspected.is_some(), Command::Inspect(None));
+}

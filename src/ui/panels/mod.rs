@@ -1,0 +1,79 @@
+//! The panels. Each shows a [`Model`] and answers with commands; none changes anything itself.
+
+pub(super) mod display;
+pub(super) mod help;
+pub(super) mod inspect;
+pub(super) mod lights;
+pub(super) mod materials;
+pub(super) mod menu;
+pub(super) mod solver;
+pub(super) mod status;
+pub(super) mod views;
+
+use super::command::Command;
+use super::state::{Edits, UiState};
+use crate::display::FalseColour;
+use crate::mesh::PatchMesh;
+use crate::scene::{Scene, View};
+use crate::session::Snapshot;
+use crate::solver::PatchLight;
+
+/// Everything that panels show, borrowed for one frame.
+pub(super) struct Model<'a> {
+    /// What the worker published last.
+    pub(super) snapshot: &'a Snapshot,
+    /// The scene on screen.
+    pub(super) scene: Option<&'a Scene>,
+    /// Its patches.
+    pub(super) mesh: Option<&'a PatchMesh>,
+    /// Their light as the lamps stand.
+    pub(super) light: &'a PatchLight,
+    /// Their reflectance as solved for.
+    pub(super) reflectance: &'a [[f32; 3]],
+    /// Longest extent squared over area, a patch each.
+    pub(super) aspect: &'a [f32],
+    /// What the user changed.
+    pub(super) edits: &'a Edits,
+    /// What the window remembers.
+    pub(super) state: &'a UiState,
+    /// Bookmarks: of the scene and stored by the user.
+    pub(super) views: &'a [View],
+    /// The false-colour scale in force.
+    pub(super) scale: Option<FalseColour>,
+    /// The exposure in force, EV at ISO 100.
+    pub(super) ev: f64,
+    /// Vertical field of view, degrees.
+    pub(super) fov_deg: f64,
+    /// The patch looked into.
+    pub(super) inspected: Option<u32>,
+    /// The lamp that stands alone.
+    pub(super) solo: Option<usize>,
+    /// Whether a state A is stored.
+    pub(super) has_comparison: bool,
+    /// What the last edit recomputed.
+    pub(super) last_change: &'a str,
+    /// Undo and redo.
+    pub(super) can: [bool; 2],
+    /// Seconds that the last frames took on average.
+    pub(super) frame_secs: f64,
+    /// Memory of the process, bytes, where known.
+    pub(super) memory: Option<u64>,
+}
+
+/// What a panel answers.
+pub(super) type Commands = Vec<Command>;
+
+/// A section with a title that folds.
+pub(super) fn section(ui: &mut egui::Ui, title: &str, open: bool, contents: impl FnOnce(&mut egui::Ui)) {
+    let heading = egui::RichText::new(title.to_uppercase()).size(11.5).color(super::theme::TEXT);
+    egui::CollapsingHeader::new(heading).id_salt(title).default_open(open).show_unindented(ui, |ui| {
+        contents(ui);
+        ui.add_space(6.0);
+    });
+    ui.separator();
+}
+
+/// A line of weak text where a section has nothing to show yet.
+pub(super) fn empty(ui: &mut egui::Ui, text: &str) {
+    ui.label(egui::RichText::new(text).color(super::theme::TEXT_WEAK));
+}

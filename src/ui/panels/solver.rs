@@ -1,0 +1,218 @@
+//! How far the light has settled, and with what it is computed.
+
+use super::{Commands, Model, empty};
+use crate::form_factors::Method;
+use crate::mesh::PatchTarget;
+use crate::session::{Snapshot, SolveSettings, Stage};
+use crate::solver::SweepReport;
+use crate::ui::command::Command;
+use crate::ui::{theme, units};
+use egui::{Color32, ComboBox, ProgressBar, RichText};
+
+/// The state of the solve in one word, with its colour.
+pub(in crate::ui) fn state_of(snapshot: &Snapshot) -> (&'static str, Color32) {
+    if snapshot.paused && is_running(snapshot.stage) {
+        return ("Paused", theme::WARNING);
+    }
+    match snapshot.stage {
+        Stage::Idle => ("Idle", theme::TEXT_WEAK),
+        Stage::Loading => ("Loading", theme::ACCENT),
+        Stage::Meshing => ("Meshing", theme::ACCENT),
+        Stage::FirstLight => ("First light", theme::ACCENT),
+        Stage::Rows => ("Solving", theme::ACCENT),
+        Stage::Balancing => ("Balancing", theme::ACCENT),
+        Stage::Sweeping => ("Settling", theme::ACCENT),
+        Stage::Converged => ("Converged", theme::DONE),
+        Stage::Stopped => ("Stopped: light out of date", theme::WARNING),
+        Stage::Failed => ("Failed", theme::FAILURE),
+    }
+}
+
+/// Whether the worker still has something to do.
+pub(in crate::ui) fn is_running(stage: Stage) -> bool {
+    !matches!(stage, Stage::Idle | Stage::Converged | Stage::Stopped | Stage::Failed)
+}
+
+/// Shows progress, residual and settings.
+pub(in crate::ui) fn show(ui: &mut egui::Ui, model: &Model<'_>, out: &mut Commands) {
+    let snapshot = model.snapshot;
+    let (word, colour) = state_of(snapshot);
+    let running = is_running(snapshot.stage);
+    ui.horizontal(|ui| {
+        ui.label(RichText::new(word).color(colour));
+        ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
+            if let Some(left) = snapshot.seconds_left.filter(|_| running) {
+                ui.label(RichText::new(format!("{} left", units::duration(left))).color(theme::TEXT_WEAK));
+            }
+        });
+    });
+    let bar = ProgressBar::new(snapshot.fraction.clamp(0.0, 1.0) as f32).desired_height(8.0);
+    ui.add(bar.fill(if running { theme::ACCENT } else { Color32::from_gray(80) }));
+    ui.horizontal(|ui| {
+        if snapshot.paused {
+            if ui.add_enabled(running, egui::Button::new("Resume")).on_hover_text("Go on (P)").clicked() {
+                out.push(Command::Pause(false));
+            }
+        } else if ui
+            .add_enabled(running, egui::Button::new("Pause"))
+            .on_hover_text("Let the solve rest (P)")
+            .clicked()
+        {
+            out.push(Command::Pause(true));
+        }
+        if ui
+            .add_enabled(running, egui::Button::new("Stop"))
+            .on_hover_text("End the solve; the light so far stays")
+            .clicked()
+        {
+            out.push(Command::Stop);
+        }
+    });
+    if snapshot.rows.1 > 0 {
+        let (done, all) = snapshot.rows;
+        theme::row(ui, "Form-factor rows", format!("{} of {}", units::count(done), units::count(all)));
+    }
+    if let Some(last) = snapshot.sweeps.last() {
+        numbers(ui, last);
+        residual_plot(ui, &snapshot.sweeps);
+    }
+    if !model.last_change.is_empty() {
+        ui.label(RichText::new(model.last_change).small().color(theme::TEXT_WEAK));
+    }
+    ui.collapsing("Method and quality", |ui| settings(ui, &snapshot.settings, out));
+    if let Some(plan) = &snapshot.plan
+        && !plan.decisions.is_empty()
+    {
+        ui.collapsing("Effects of this scene", |ui| {
+            for decision in &plan.decisions {
+                let on = plan.is_on(decision.effect);
+                let why = format!("{}\n{}\n{}", decision.reason, decision.evidence, decision.predicted_cost);
+                theme::row(ui, decision.effect.name(), if on { "on" } else { "off" }).on_hover_text(why);
+            }
+        });
+    }
+}
+
+fn numbers(ui: &mut egui::Ui, last: &SweepReport) {
+    theme::row(ui, "Sweeps", last.sweep.to_string());
+    theme::row(ui, "Residual", format!("{:.1e}", last.residual));
+    theme::row(ui, "Error at most", format!("{} %", units::digits(100.0 * last.error_bound)));
+    theme::row(ui, "Power emitted", format!("{} W", units::digits(last.emitted)));
+    theme::row(
+        ui,
+        "absorbed / escaped",
+        format!("{} / {} W", units::digits(last.absorbed), units::digits(last.escaped)),
+    );
+}
+
+fn residual_plot(ui: &mut egui::Ui, sweeps: &[SweepReport]) {
+    if sweeps.len() < 2 {
+        return;
+    }
+    let points: egui_plot::PlotPoints<'_> = sweeps
+        .iter()
+        .filter(|s| s.residual > 0.0)
+        .map(|s| [f64::from(s.sweep), s.residual.log10()])
+        .collect();
+    egui_plot::Plot::new("residual by sweep")
+        .height(80.0)
+        .allow_drag(false)
+        .allow_zoom(false)
+        .allow_scroll(false)
+        .allow_boxed_zoom(false)
+        .show_x(false)
+        .show_y(false)
+        .y_axis_formatter(|mark, _| {
+            // Whole decades alone: marks between them are no round numbers.
+            let exponent = mark.value.round();
+            if (mark.value - exponent).abs() < 1e-6 { format!("1e{exponent:.0}") } else { String::new() }
+        })
+        .show(ui, |plot| {
+            plot.line(egui_plot::Line::new("residual", points).color(theme::ACCENT).width(1.5));
+        });
+}
+
+/// Factors on the default resolution, with their names.
+const QUALITIES: [(&str, f64); 4] = [("Draft", 0.5), ("Normal", 1.0), ("Fine", 2.0), ("Very fine", 4.0)];
+/// Patch counts offered besides the scene's own.
+const COUNTS: [usize; 6] = [1_000, 2_500, 5_000, 10_000, 20_000, 50_000];
+
+fn settings(ui: &mut egui::Ui, now: &SolveSettings, out: &mut Commands) {
+    let mut new = now.clone();
+    combo(ui, "Form factors", method_name(now.method), |ui| {
+        for method in [Method::Lines, Method::Hemicube, Method::Rays] {
+            if ui.selectable_label(now.method == method, method_name(method)).clicked() {
+                new.method = method;
+                new.resolution = None;
+            }
+        }
+    });
+    let default = f64::from(now.method.default_resolution());
+    let factor = now.resolution.map_or(1.0, |r| f64::from(r) / default);
+    let quality = QUALITIES.iter().find(|(_, f)| (f - factor).abs() < 0.01);
+    let resolution = now.resolution.unwrap_or(now.method.default_resolution());
+    let text = quality.map_or_else(|| resolution.to_string(), |(name, _)| (*name).to_owned());
+    combo(ui, "Quality", &text, |ui| {
+        for (name, f) in QUALITIES {
+            let resolution = (default * f) as u32;
+            let label = format!("{name} ({resolution})");
+            if ui.selectable_label((f - factor).abs() < 0.01, label).clicked() {
+                new.resolution = if f == 1.0 { None } else { Some(resolution) };
+            }
+        }
+    });
+    let text = match now.patches {
+        PatchTarget::Auto => "As the scene asks".to_owned(),
+        PatchTarget::Size(metres) => format!("{} m each", units::digits(metres)),
+        PatchTarget::Count(n) => format!("about {}", units::count(n)),
+        PatchTarget::AsGiven => "One a polygon".to_owned(),
+    };
+    combo(ui, "Patches", &text, |ui| {
+        let auto = (PatchTarget::Auto, "As the scene asks".to_owned());
+        let given = (PatchTarget::AsGiven, "One a polygon".to_owned());
+        let counts = COUNTS.map(|n| (PatchTarget::Count(n), format!("about {}", units::count(n))));
+        for (target, label) in [auto, given].into_iter().chain(counts) {
+            if ui.selectable_label(now.patches == target, label).clicked() {
+                new.patches = target;
+            }
+        }
+    });
+    combo(ui, "Tolerance", &format!("{:.0e}", now.tolerance), |ui| {
+        for tolerance in [1e-2, 1e-3, 1e-4, 1e-5, 1e-6] {
+            if ui.selectable_label(now.tolerance == tolerance, format!("{tolerance:.0e}")).clicked() {
+                new.tolerance = tolerance;
+            }
+        }
+    });
+    if new != *now {
+        out.push(Command::Solve(new));
+    }
+}
+
+fn method_name(method: Method) -> &'static str {
+    match method {
+        Method::Lines => "Line hemicube",
+        Method::Hemicube => "Hemicube (1985)",
+        Method::Rays => "Rays",
+    }
+}
+
+/// A named choice whose box stands at the right edge.
+pub(in crate::ui) fn combo(ui: &mut egui::Ui, name: &str, text: &str, contents: impl FnOnce(&mut egui::Ui)) {
+    ui.horizontal(|ui| {
+        let label = ui.label(RichText::new(name).color(theme::TEXT_WEAK));
+        ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
+            let shown = ComboBox::from_id_salt(name).selected_text(text).width(138.0).show_ui(ui, contents);
+            shown.response.labelled_by(label.id);
+        });
+    });
+}
+
+/// A sentence for an empty solver section.
+pub(in crate::ui) fn show_or_hint(ui: &mut egui::Ui, model: &Model<'_>, out: &mut Commands) {
+    if model.snapshot.stage == Stage::Idle && model.scene.is_none() {
+        empty(ui, "Open a scene to see its light settle.");
+    } else {
+        show(ui, model, out);
+    }
+}

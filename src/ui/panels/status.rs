@@ -1,0 +1,32 @@
+//! The line at the bottom.
+
+use super::Model;
+use crate::ui::camera_control::Motion;
+use crate::ui::{theme, units};
+use egui::RichText;
+
+/// Shows how one moves, what a frame costs, and what the last change recomputed.
+pub(in crate::ui) fn show(ui: &mut egui::Ui, model: &Model<'_>) {
+    ui.horizontal(|ui| {
+        let weak = |text: String| RichText::new(text).small().color(theme::TEXT_WEAK);
+        ui.label(weak(match model.state.motion {
+            Motion::Walk => format!("walk  {:.2} m", model.state.eye_height),
+            Motion::Fly => "fly".to_owned(),
+        }));
+        ui.separator();
+        ui.label(weak(format!("{:.1} ms", model.frame_secs * 1e3)))
+            .on_hover_text("Time of the program for one frame");
+        if let Some(mesh) = model.mesh {
+            ui.separator();
+            ui.label(weak(format!("{} patches", units::count(mesh.patches.len()))));
+        }
+        if let Some(memory) = model.memory {
+            ui.separator();
+            ui.label(weak(units::bytes(memory)));
+        }
+        if !model.last_change.is_empty() {
+            ui.separator();
+            ui.add(egui::Label::new(weak(format!("last change: {}", model.last_change))).truncate());
+        }
+    });
+}

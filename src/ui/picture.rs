@@ -1,0 +1,239 @@
+//! From snapshots and lamps to what the graphics card draws.
+//!
+//! A new mesh is prepared on a helper thread; until it is ready the old scene stays on screen,
+//! whole. New light, from the worker or from a switched lamp, is one sum over light bases.
+
+use super::collision::Obstacles;
+use super::state::{DisplaySettings, Quantity, ShadingMode};
+use crate::display::{ColourMap, DisplayMesh, FalseColour, Shading, patch_illuminance, patch_luminance};
+use crate::geometry::Aabb;
+use crate::mesh::{Patch, PatchMesh, Side};
+use crate::render::Picker;
+use crate::scene::{Lighting, Scene};
+use crate::session::Snapshot;
+use crate::solver::{LightBases, PatchLight};
+use std::sync::Arc;
+use std::sync::mpsc::{Receiver, TryRecvError, channel};
+
+/// A mesh with everything that drawing, picking and walking need of it.
+pub(super) struct Prepared {
+    /// Of the snapshot that it was made from.
+    pub(super) mesh_serial: u64,
+    pub(super) scene: Arc<Scene>,
+    pub(super) mesh: Arc<PatchMesh>,
+    pub(super) display: DisplayMesh,
+    pub(super) picker: Picker,
+    pub(super) obstacles: Obstacles,
+    /// Longest extent squared over area, a patch each.
+    pub(super) aspect: Vec<f32>,
+    pub(super) bounds: Aabb,
+}
+
+impl Prepared {
+    fn build(mesh_serial: u64, scene: Arc<Scene>, mesh: Arc<PatchMesh>) -> Self {
+        Self {
+            mesh_serial,
+            display: DisplayMesh::build(&mesh, &scene, true),
+            picker: Picker::new(&mesh),
+            obstacles: Obstacles::of_mesh(&mesh, scene.up.vector()),
+            aspect: mesh.patches.iter().map(|p| aspect(&mesh, p)).collect(),
+            bounds: Aabb::around(mesh.vertices.iter().copied()),
+            scene,
+            mesh,
+        }
+    }
+}
+
+/// (Longest extent)² over area: one for a square counted along its sides, about 1 for a disc.
+fn aspect(mesh: &PatchMesh, patch: &Patch) -> f32 {
+    let frame = mesh.regions[patch.region as usize].frame;
+    let corners = mesh
+        .pieces_of(patch)
+        .flat_map(|piece| mesh.corners_of(piece))
+        .map(|c| frame.local(mesh.vertices[c.vertex as usize]));
+    let size = Aabb::around(corners).size();
+    let longest = size.x.max(size.y);
+    if patch.area > 0.0 { (longest * longest / patch.area) as f32 } else { 0.0 }
+}
+
+/// What changed since the last look, for the caller to act on.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(super) struct News {
+    /// Another mesh is on screen.
+    pub(super) mesh: bool,
+    /// Other bases or reflectances are in force.
+    pub(super) bases: bool,
+}
+
+/// The scene on screen and its light.
+#[derive(Default)]
+pub(super) struct Picture {
+    pub(super) prepared: Option<Arc<Prepared>>,
+    building: Option<(u64, Receiver<Prepared>)>,
+    bases: Option<Arc<LightBases>>,
+    pub(super) reflectance: Arc<Vec<[f32; 3]>>,
+    /// As the lamps stand.
+    pub(super) light: PatchLight,
+    /// As the lamps come with the file: what the exposure is measured against.
+    pub(super) reference: PatchLight,
+    /// Illuminance of state A, lux, and the mesh that it belongs to.
+    comparison: Option<(u64, Vec<f32>)>,
+}
+
+impl Picture {
+    /// Takes over what the worker published. `wake` is called from the helper thread once a new
+    /// mesh is ready.
+    pub(super) fn follow(&mut self, snapshot: &Snapshot, wake: impl FnOnce() + Send + 'static) -> News {
+        let mut news = News::default();
+        self.start_building(snapshot, wake);
+        if let Some((serial, receiver)) = &self.building {
+            match receiver.try_recv() {
+                // A mesh that is out of date already is not worth showing.
+                Ok(prepared) if *serial == snapshot.mesh_serial => {
+                    self.prepared = Some(Arc::new(prepared));
+                    self.building = None;
+                    self.bases = None;
+                    (self.light, self.reference) = Default::default();
+                    news.mesh = true;
+                }
+                Ok(_) | Err(TryRecvError::Disconnected) => self.building = None,
+                Err(TryRecvError::Empty) => {}
+            }
+        }
+        if self.prepared.as_ref().is_some_and(|p| p.mesh_serial == snapshot.mesh_serial) {
+            let same = match (&self.bases, &snapshot.bases) {
+                (Some(a), Some(b)) => Arc::ptr_eq(a, b),
+                (None, None) => true,
+                _ => false,
+            };
+            if !same || !Arc::ptr_eq(&self.reflectance, &snapshot.reflectance) {
+                self.bases.clone_from(&snapshot.bases);
+                self.reflectance = Arc::clone(&snapshot.reflectance);
+                news.bases = true;
+            }
+        }
+        news
+    }
+
+    fn start_building(&mut self, snapshot: &Snapshot, wake: impl FnOnce() + Send + 'static) {
+        let serial = snapshot.mesh_serial;
+        let shown = self.prepared.as_ref().map(|p| p.mesh_serial);
+        let underway = self.building.as_ref().map(|b| b.0);
+        let (Some(scene), Some(mesh)) = (&snapshot.scene, &snapshot.mesh) else { return };
+        if shown == Some(serial) || underway == Some(serial) {
+            return;
+        }
+        let (scene, mesh) = (Arc::clone(scene), Arc::clone(mesh));
+        let (sender, receiver) = channel();
+        let build = move || {
+            // Nobody listens any more when the window has closed.
+            sender.send(Prepared::build(serial, scene, mesh)).ok();
+            wake();
+        };
+        if std::thread::Builder::new().name("mesh for display".to_owned()).spawn(build).is_ok() {
+            self.building = Some((serial, receiver));
+        }
+    }
+
+    /// Whether a mesh is on its way to the screen.
+    pub(super) fn is_building(&self) -> bool {
+        self.building.is_some()
+    }
+
+    /// The light of all patches as the lamps stand: one sum, no solve.
+    pub(super) fn relight(&mut self, lighting: &Lighting) {
+        if let (Some(prepared), Some(bases)) = (&self.prepared, &self.bases) {
+            self.light = bases.mix(&prepared.mesh, lighting, &self.reflectance);
+        }
+    }
+
+    /// The light as the lamps come with the file; with all of them on where none is.
+    pub(super) fn relight_reference(&mut self) {
+        if let (Some(prepared), Some(bases)) = (&self.prepared, &self.bases) {
+            let mut lighting = prepared.scene.lighting();
+            if lighting.lamps.iter().all(|lamp| !lamp.on) {
+                lighting.lamps.iter_mut().for_each(|lamp| lamp.on = true);
+            }
+            self.reference = bases.mix(&prepared.mesh, &lighting, &self.reflectance);
+        }
+    }
+
+    /// Keeps the present illuminance as state A.
+    pub(super) fn store_comparison(&mut self) {
+        if let Some(prepared) = &self.prepared {
+            self.comparison = Some((prepared.mesh_serial, patch_illuminance(&self.light.irradiance)));
+        }
+    }
+
+    /// Whether a state A of this mesh is stored.
+    pub(super) fn has_comparison(&self) -> bool {
+        self.comparison_values().is_some()
+    }
+
+    fn comparison_values(&self) -> Option<&[f32]> {
+        let (serial, values) = self.comparison.as_ref()?;
+        (self.prepared.as_ref()?.mesh_serial == *serial).then_some(values.as_slice())
+    }
+
+    /// The values of a false-colour quantity, one a patch.
+    pub(super) fn scalars(&self, quantity: Quantity) -> Vec<f32> {
+        let Some(prepared) = &self.prepared else { return Vec::new() };
+        let patches = &prepared.mesh.patches;
+        match quantity {
+            Quantity::Illuminance => patch_illuminance(&self.light.irradiance),
+            Quantity::Luminance => patch_luminance(&self.light.radiosity),
+            Quantity::Difference => {
+                let stored = self.comparison_values().unwrap_or(&[]);
+                let now = patch_illuminance(&self.light.irradiance);
+                now.iter().zip(stored).map(|(now, stored)| now - stored).collect()
+            }
+            Quantity::Reflectance => {
+                let rho = |r: &[f32; 3]| crate::scene::luminance_weighted(r.map(f64::from)) as f32;
+                self.reflectance.iter().map(rho).collect()
+            }
+            Quantity::Sides => {
+                patches.iter().map(|p| if p.side == Side::Front { -1.0 } else { 1.0 }).collect()
+            }
+            Quantity::Aspect => prepared.aspect.clone(),
+            Quantity::Area => patches.iter().map(|p| p.area as f32).collect(),
+            Quantity::Picture | Quantity::PatchIds | Quantity::Normals => Vec::new(),
+        }
+    }
+
+    /// Radiosities at the corners that are drawn.
+    pub(super) fn corner_radiosity(&self, shading: ShadingMode) -> Vec<[f32; 3]> {
+        self.prepared.as_ref().map_or_else(Vec::new, |p| {
+            p.display.corner_radiosity(&self.light.radiosity, &self.light.irradiance, shading_of(shading))
+        })
+    }
+
+    /// False-colour values at the corners that are drawn.
+    pub(super) fn corner_scalars(&self, values: &[f32], display: &DisplaySettings) -> Vec<f32> {
+        // What belongs to a patch as a whole is not spread between patches.
+        let shading =
+            if display.quantity.follows_light() { shading_of(display.shading) } else { Shading::Flat };
+        self.prepared.as_ref().map_or_else(Vec::new, |p| p.display.corner_scalars(values, shading))
+    }
+}
+
+/// The scale of a quantity: its pinned range, or one that fits.
+pub(super) fn scale(display: &DisplaySettings, values: &[f32]) -> FalseColour {
+    let signed = matches!(display.quantity, Quantity::Difference | Quantity::Sides);
+    let map = if signed { ColourMap::BlueRed } else { ColourMap::Viridis };
+    let mut scale = match display.quantity {
+        Quantity::Reflectance => FalseColour { map, range: [0.0, 1.0], logarithmic: false },
+        Quantity::Sides => FalseColour { map, range: [-1.0, 1.0], logarithmic: false },
+        _ => FalseColour::fitted(map, display.logarithmic, values),
+    };
+    if let Some(range) = display.range {
+        scale.range = range;
+    }
+    scale
+}
+
+pub(super) fn shading_of(mode: ShadingMode) -> Shading {
+    match mode {
+        ShadingMode::Smooth => Shading::Gouraud,
+        ShadingMode::Flat => Shading::Flat,
+    }
+}

@@ -1,0 +1,255 @@
+//! What the window remembers between starts, and what one can undo: plain values, no behaviour.
+
+use super::camera_control::Motion;
+use crate::display::ToneMap;
+use crate::scene::{Lighting, Scene};
+use serde::{Deserialize, Serialize};
+use std::path::{Path, PathBuf};
+
+/// Files that the menu offers to open again.
+const RECENT: usize = 8;
+
+/// How surfaces are shaded.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub enum ShadingMode {
+    /// Radiosity interpolated between vertices (Gouraud), never across creases.
+    #[default]
+    Smooth,
+    /// One radiosity a patch, as the solver sees it.
+    Flat,
+}
+
+/// What the picture shows.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Quantity {
+    /// The lit scene.
+    #[default]
+    Picture,
+    /// Illuminance in lux.
+    Illuminance,
+    /// Luminance in cd/m².
+    Luminance,
+    /// Illuminance now less that of the stored state A, lux.
+    Difference,
+    /// Reflectance of the patches, 0 to 1.
+    Reflectance,
+    /// A colour for every patch.
+    PatchIds,
+    /// Direction of the normals.
+    Normals,
+    /// Front sides against back sides.
+    Sides,
+    /// Longest extent squared over area.
+    Aspect,
+    /// Patch area in m².
+    Area,
+}
+
+impl Quantity {
+    /// All of them, in the order of the menu.
+    pub const ALL: [Self; 10] = [
+        Self::Picture,
+        Self::Illuminance,
+        Self::Luminance,
+        Self::Difference,
+        Self::Reflectance,
+        Self::PatchIds,
+        Self::Normals,
+        Self::Sides,
+        Self::Aspect,
+        Self::Area,
+    ];
+
+    /// What the menu calls it.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Picture => "Picture",
+            Self::Illuminance => "Illuminance",
+            Self::Luminance => "Luminance",
+            Self::Difference => "Difference to A",
+            Self::Reflectance => "Reflectance",
+            Self::PatchIds => "Patch ids",
+            Self::Normals => "Normals",
+            Self::Sides => "Front and back",
+            Self::Aspect => "Aspect of patches",
+            Self::Area => "Area of patches",
+        }
+    }
+
+    /// The unit of its legend; empty for a plain number.
+    pub fn unit(self) -> &'static str {
+        match self {
+            Self::Illuminance | Self::Difference => "lx",
+            Self::Luminance => "cd/m²",
+            Self::Area => "m²",
+            _ => "",
+        }
+    }
+
+    /// Whether it is a number a patch, drawn through a colour map with a legend.
+    pub fn is_scalar(self) -> bool {
+        !matches!(self, Self::Picture | Self::PatchIds | Self::Normals)
+    }
+
+    /// Whether its values change with the lamps.
+    pub fn follows_light(self) -> bool {
+        matches!(self, Self::Illuminance | Self::Luminance | Self::Difference)
+    }
+}
+
+/// How the picture is made from the light. Part of what undo covers.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct DisplaySettings {
+    /// Flat or smooth.
+    pub shading: ShadingMode,
+    /// What is shown.
+    pub quantity: Quantity,
+    /// Exposure follows what is in view.
+    pub auto_exposure: bool,
+    /// Exposure value (ISO 100) where set by hand; a correction in stops where automatic.
+    pub ev: f64,
+    /// Correction of the automatic exposure, stops; positive is brighter.
+    pub compensation: f64,
+    /// From exposed light to the display.
+    #[serde(with = "tone_by_name")]
+    pub tone_map: ToneMap,
+    /// Ends of the false-colour range where pinned.
+    pub range: Option<[f64; 2]>,
+    /// Even steps are factors, not differences.
+    pub logarithmic: bool,
+    /// Borders of patches over the picture.
+    pub wireframe: bool,
+    /// Sides that take no part, in dark grey.
+    pub show_unlit: bool,
+    /// Numbers under the cursor.
+    pub readout: bool,
+}
+
+impl Default for DisplaySettings {
+    fn default() -> Self {
+        Self {
+            shading: ShadingMode::Smooth,
+            quantity: Quantity::Picture,
+            auto_exposure: true,
+            ev: 6.0,
+            compensation: 0.0,
+            tone_map: ToneMap::default(),
+            range: None,
+            logarithmic: true,
+            wireframe: false,
+            show_unlit: false,
+            readout: true,
+        }
+    }
+}
+
+/// What the window remembers between starts.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct UiState {
+    /// Lights, materials and views.
+    pub left_open: bool,
+    /// Solver, display and inspection.
+    pub right_open: bool,
+    /// The line at the bottom with frame time, patches and memory.
+    pub show_status: bool,
+    /// Walking or flying.
+    pub motion: Motion,
+    /// Eyes above the floor, metres.
+    pub eye_height: f64,
+    /// Opened last, newest first.
+    pub recent: Vec<PathBuf>,
+    /// The line that explains walking and clicking has done its work.
+    pub hint_done: bool,
+    /// Load a file again when it changes on disk.
+    pub reload_on_change: bool,
+    /// How the picture is made.
+    pub display: DisplaySettings,
+}
+
+impl Default for UiState {
+    fn default() -> Self {
+        Self {
+            left_open: true,
+            right_open: true,
+            show_status: true,
+            motion: Motion::Walk,
+            eye_height: 1.6,
+            recent: Vec::new(),
+            hint_done: false,
+            reload_on_change: true,
+            display: DisplaySettings::default(),
+        }
+    }
+}
+
+impl UiState {
+    /// Puts `path` first among the recent files.
+    pub fn remember(&mut self, path: &Path) {
+        let path = std::path::absolute(path).unwrap_or_else(|_| path.to_owned());
+        self.recent.retain(|p| *p != path);
+        self.recent.insert(0, path);
+        self.recent.truncate(RECENT);
+    }
+}
+
+/// What the user has changed about a scene, and what undo covers.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Edits {
+    /// The lamps.
+    pub lighting: Lighting,
+    /// New reflectance by material; `None` where it is that of the file.
+    pub reflectance: Vec<Option<[f64; 3]>>,
+    /// How the picture is made.
+    pub display: DisplaySettings,
+}
+
+impl Edits {
+    /// The scene as it comes.
+    pub fn of_scene(scene: &Scene, display: DisplaySettings) -> Self {
+        Self { lighting: scene.lighting(), reflectance: vec![None; scene.materials.len()], display }
+    }
+}
+
+mod tone_by_name {
+    use crate::display::ToneMap;
+    use serde::{Deserialize as _, Deserializer, Serializer};
+
+    pub(super) fn serialize<S: Serializer>(map: &ToneMap, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.serialize_str(map.name())
+    }
+
+    /// A name that a later version dropped falls back to the default.
+    pub(super) fn deserialize<'de, D: Deserializer<'de>>(deserializer: D) -> Result<ToneMap, D::Error> {
+        let name = String::deserialize(deserializer)?;
+        Ok(ToneMap::ALL.into_iter().find(|map| map.name() == name).unwrap_or_default())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_state_survives_being_stored_and_missing_fields_take_defaults() {
+        let mut state = UiState { eye_height: 1.2, hint_done: true, ..UiState::default() };
+        state.display.tone_map = ToneMap::Filmic;
+        state.remember(Path::new("/models/house.obj"));
+        let text = serde_json::to_string(&state).expect("plain values");
+        assert_eq!(serde_json::from_str::<UiState>(&text).expect("just written"), state);
+        assert_eq!(serde_json::from_str::<UiState>("{}").expect("all optional"), UiState::default());
+    }
+
+    #[test]
+    fn recent_files_are_few_and_unlike() {
+        let mut state = UiState::default();
+        for k in 0..20 {
+            state.remember(Path::new(&format!("/m/{k}.obj")));
+        }
+        state.remember(Path::new("/m/15.obj"));
+        assert_eq!(state.recent.len(), RECENT);
+        assert_eq!(state.recent[0], Path::new("/m/15.obj"));
+        assert_eq!(state.recent.iter().filter(|p| p.ends_with("15.obj")).count(), 1);
+    }
+}

@@ -1,0 +1,280 @@
+//! The picture in the middle: moving, clicking, reading, drawing.
+
+use super::app::App;
+use super::camera_control::{Motion, Wish};
+use super::command::Command;
+use super::panels::Commands;
+use super::state::Quantity;
+use super::{input, legend, overlay, picture, theme};
+use crate::render::{Camera, ColourSource, FrameInput, Pick};
+use crate::scene::SceneSource;
+use crate::session::Stage;
+use egui::{CursorIcon, PointerButton, Rect, Sense, Vec2};
+use glam::DVec2;
+
+/// Rays across and down with which the view is metered.
+const METER_GRID: [u32; 2] = [18, 12];
+/// Turning by a drag over the height of the view, in fields of view.
+const LOOK_SPEED: f64 = 1.25;
+/// Turning about a point by a drag over the height of the view, radians.
+const ORBIT_SPEED: f64 = 3.0;
+
+impl App {
+    /// Shows the view and answers to the mouse.
+    pub(super) fn show_view(&mut self, ui: &mut egui::Ui, out: &mut Commands) {
+        let (rect, response) =
+            ui.allocate_exact_size(ui.available_size().max(Vec2::splat(1.0)), Sense::click_and_drag());
+        response.widget_info(|| egui::WidgetInfo::labeled(egui::accesskit::Role::Canvas, true, "Scene view"));
+        self.view_rect = rect;
+        let pixels = rect.size() * ui.pixels_per_point();
+        self.view_size_px = [pixels.x, pixels.y].map(|n| n.round().max(1.0) as u32);
+        if response.clicked() || response.drag_started() {
+            // Keys go to the scene again.
+            ui.ctx().memory_mut(|m| m.focused().into_iter().for_each(|id| m.surrender_focus(id)));
+        }
+        self.steer(ui, &response);
+        self.move_camera(ui);
+        self.adapt(ui);
+        self.upload();
+        self.draw(ui, rect);
+        let pick = self.pick_at(&response);
+        self.answer_clicks(ui, &response, pick.as_ref(), out);
+        self.overlays(ui, rect, &response, pick.as_ref(), out);
+        if std::mem::take(&mut self.screenshot_wanted) {
+            self.request_screenshot(ui.ctx());
+        }
+    }
+
+    /// Drags and the wheel.
+    fn steer(&mut self, ui: &egui::Ui, response: &egui::Response) {
+        let drag = response.drag_motion();
+        let height = f64::from(response.rect.height().max(1.0));
+        let (dx, dy) = (f64::from(drag.x) / height, f64::from(drag.y) / height);
+        if response.drag_started_by(PointerButton::Secondary)
+            || response.drag_started_by(PointerButton::Middle)
+        {
+            self.pivot = self.pick_at_position(response.interact_pointer_pos()).map(|pick| pick.position);
+        }
+        let Some(camera) = &mut self.camera else { return };
+        let forward = camera.forward();
+        let pose = camera.pose();
+        if response.dragged_by(PointerButton::Primary) && drag != Vec2::ZERO {
+            let speed = LOOK_SPEED * pose.fov_y_deg.to_radians();
+            camera.look(dx * speed, -dy * speed);
+            self.state.hint_done = true;
+        } else if response.dragged_by(PointerButton::Secondary) && drag != Vec2::ZERO {
+            let pivot = self.pivot.unwrap_or(pose.eye + forward * 2.0);
+            camera.orbit(pivot, dx * ORBIT_SPEED, -dy * ORBIT_SPEED);
+        } else if response.dragged_by(PointerButton::Middle) && drag != Vec2::ZERO {
+            let depth = self.pivot.map_or(2.0, |pivot| (pivot - pose.eye).dot(forward)).max(0.1);
+            let metres = 2.0 * depth * (0.5 * pose.fov_y_deg.to_radians()).tan();
+            camera.pan(-dx * metres, dy * metres);
+        }
+        if response.hovered() {
+            let (zoom, scroll) =
+                ui.input(|i| (f64::from(i.zoom_delta()), f64::from(i.smooth_scroll_delta().y)));
+            if zoom != 1.0 {
+                camera.set_fov(pose.fov_y_deg / zoom);
+            } else if scroll != 0.0 {
+                let obstacles = self.picture.prepared.as_ref().map(|p| &p.obstacles);
+                camera.nudge(scroll / 50.0, obstacles);
+            }
+        }
+        self.state.motion = camera.motion();
+    }
+
+    fn move_camera(&mut self, ui: &egui::Ui) {
+        let wish = input::wish(ui.ctx());
+        let dt = ui.input(|i| f64::from(i.stable_dt));
+        let Some(camera) = &mut self.camera else { return };
+        let obstacles = self.picture.prepared.as_ref().map(|p| &p.obstacles);
+        camera.advance(&wish, obstacles, dt);
+        if camera.is_moving() || wish != Wish::default() && wish != (Wish { run: true, ..Wish::default() }) {
+            ui.ctx().request_repaint();
+        }
+        self.state.hint_done |= wish.ahead != 0.0 || wish.right != 0.0;
+    }
+
+    /// Lets the exposure follow what is in view.
+    fn adapt(&mut self, ui: &egui::Ui) {
+        let (Some(prepared), Some(camera)) = (self.picture.prepared.clone(), self.camera()) else { return };
+        if !self.edits.display.auto_exposure || self.picture.light.radiosity.is_empty() {
+            return;
+        }
+        let from = Some((camera, prepared.mesh_serial));
+        let jump = std::mem::take(&mut self.stale.exposure);
+        if self.seen.from != from || jump {
+            if self.seen.from != from {
+                self.seen.patches = prepared.picker.seen_patches(&camera, self.view_size_px, METER_GRID);
+                self.seen.from = from;
+            }
+            let (now, usual) = (&self.picture.light, &self.picture.reference);
+            self.exposure.measure(&prepared.mesh, &self.seen.patches, now, usual, jump);
+        }
+        if self.exposure.is_moving() {
+            self.exposure.advance(ui.input(|i| f64::from(i.stable_dt)));
+            ui.ctx().request_repaint();
+        }
+    }
+
+    /// Brings mesh and light to the graphics card where they changed.
+    fn upload(&mut self) {
+        let Some(prepared) = self.picture.prepared.clone() else { return };
+        let display = self.edits.display;
+        if std::mem::take(&mut self.stale.mesh) {
+            let uploaded = self.viewport.as_ref().and_then(|viewport| {
+                viewport.upload(|renderer, device, queue| {
+                    renderer.set_mesh(device, queue, &prepared.display, &prepared.scene.textures)
+                })
+            });
+            if let Some(Err(error)) = uploaded {
+                self.complain(error.to_string());
+            }
+            self.stale.light = true;
+        }
+        if !std::mem::take(&mut self.stale.light) {
+            return;
+        }
+        self.scale = None;
+        if display.quantity.is_scalar() {
+            let values = self.picture.scalars(display.quantity);
+            self.scale = Some(picture::scale(&display, &values));
+            let corners = self.picture.corner_scalars(&values, &display);
+            if let Some(viewport) = &self.viewport {
+                viewport.upload(|renderer, _, queue| renderer.set_scalars(queue, &corners));
+            }
+        } else {
+            let corners = self.picture.corner_radiosity(display.shading);
+            if let Some(viewport) = &self.viewport {
+                viewport.upload(|renderer, _, queue| renderer.set_light(queue, &corners));
+            }
+        }
+    }
+
+    fn draw(&self, ui: &egui::Ui, rect: Rect) {
+        let (Some(viewport), Some(camera)) = (&self.viewport, self.camera()) else {
+            ui.painter_at(rect).rect_filled(rect, 0.0, theme::BACKDROP);
+            return;
+        };
+        let display = self.edits.display;
+        let source = match (display.quantity, self.scale) {
+            (Quantity::PatchIds, _) => ColourSource::PatchIds,
+            (Quantity::Normals, _) => ColourSource::Normals,
+            (Quantity::Picture, _) | (_, None) => ColourSource::Radiosity,
+            (_, Some(scale)) => ColourSource::FalseColour(scale),
+        };
+        let moving = self.camera.as_ref().is_some_and(|c| c.is_moving()) || self.exposure.is_moving();
+        let frame = FrameInput {
+            source,
+            exposure: self.exposure_in_force(),
+            tone_map: display.tone_map,
+            wireframe: display.wireframe,
+            highlight: self.inspected,
+            show_unlit: display.show_unlit,
+            // A software adapter draws single samples while the picture changes, four at rest.
+            multisample: !viewport.is_software() || !(moving || self.is_solving()),
+            ..FrameInput::new(camera, self.view_size_px)
+        };
+        viewport.paint(ui, rect, frame);
+    }
+
+    fn is_solving(&self) -> bool {
+        super::panels::solver::is_running(self.snapshot.stage) && !self.snapshot.paused
+    }
+
+    fn pick_at(&self, response: &egui::Response) -> Option<Pick> {
+        if response.dragged() {
+            return None;
+        }
+        self.pick_at_position(response.hover_pos())
+    }
+
+    fn pick_at_position(&self, position: Option<egui::Pos2>) -> Option<Pick> {
+        let (prepared, camera): (_, Camera) = (self.picture.prepared.as_ref()?, self.camera()?);
+        let at = (position? - self.view_rect.min) / self.view_rect.size();
+        let size = self.view_size_px;
+        let pixel = DVec2::new(f64::from(at.x) * f64::from(size[0]), f64::from(at.y) * f64::from(size[1]));
+        prepared.picker.pick(&camera.ray(pixel, size))
+    }
+
+    fn answer_clicks(
+        &mut self,
+        ui: &egui::Ui,
+        response: &egui::Response,
+        pick: Option<&Pick>,
+        out: &mut Commands,
+    ) {
+        let patch = pick.and_then(|pick| pick.patch);
+        let mesh = self.picture.prepared.as_ref().map(|p| &p.mesh);
+        let lamp = patch.and_then(|id| mesh?.patches.get(id as usize)?.luminaire);
+        if lamp.is_some() && response.hovered() {
+            ui.ctx().set_cursor_icon(CursorIcon::PointingHand);
+        }
+        if response.clicked() {
+            if ui.input(|i| i.modifiers.command || i.modifiers.ctrl) {
+                out.push(Command::Inspect(patch));
+                if patch.is_some() && !self.state.right_open {
+                    out.push(Command::ToggleRight);
+                }
+            } else if let Some(lamp) = lamp {
+                self.state.hint_done = true;
+                out.push(Command::ToggleLamp(lamp as usize));
+            }
+        }
+    }
+
+    fn overlays(
+        &self,
+        ui: &egui::Ui,
+        rect: Rect,
+        response: &egui::Response,
+        pick: Option<&Pick>,
+        out: &mut Commands,
+    ) {
+        let model = self.model();
+        if let Some(scale) = &self.scale {
+            legend::show(ui, rect, self.edits.display.quantity, scale);
+        }
+        if self.edits.display.readout
+            && response.hovered()
+            && let Some(pick) = pick
+        {
+            overlay::readout(ui, rect, &model, pick);
+        }
+        if self.picture.prepared.is_none() {
+            let text = match self.snapshot.stage {
+                Stage::Idle if !self.picture.is_building() => {
+                    "Open a scene: Ctrl-O, or drop an OBJ file here"
+                }
+                Stage::Failed => "Nothing could be shown: see the message above",
+                _ => "Loading...",
+            };
+            overlay::waiting(ui, rect, text);
+        } else if !self.state.hint_done && !self.help_open && self.notice.is_none() {
+            overlay::hint(ui, rect);
+        }
+        if let Some(notice) = &self.notice {
+            overlay::notice(ui, rect, notice, out);
+        }
+        if ui.input(|i| !i.raw.hovered_files.is_empty()) {
+            overlay::drop_target(ui, rect);
+        }
+    }
+
+    /// Opens what was dropped onto the window.
+    pub(super) fn dropped_files(&mut self, ui: &egui::Ui, out: &mut Commands) {
+        let paths: Vec<_> = ui.input(|i| i.raw.dropped_files.iter().map(|f| f.path().to_owned()).collect());
+        let is_obj =
+            |path: &std::path::PathBuf| path.extension().is_some_and(|e| e.eq_ignore_ascii_case("obj"));
+        if let Some(path) = paths.iter().find(|path| is_obj(path)) {
+            out.push(Command::Open(SceneSource::File(path.clone())));
+        } else if let Some(path) = paths.first() {
+            self.complain(format!("{} is no OBJ file, so it cannot be opened", path.display()));
+        }
+    }
+
+    /// How one moves at present.
+    pub fn motion(&self) -> Motion {
+        self.state.motion
+    }
+}

@@ -1,0 +1,87 @@
+//! The picture inside the window: hands frames to the renderer, and draws none twice.
+
+use crate::render::{FrameInput, ViewportRenderer};
+use eframe::egui_wgpu::{self, CallbackResources, RenderState};
+
+/// What lives on the graphics card between frames.
+struct Resources {
+    renderer: ViewportRenderer,
+    /// Counts uploads: a frame drawn before one is out of date.
+    generation: u64,
+    drawn: Option<(FrameInput, u64)>,
+}
+
+/// The way to the graphics card.
+#[derive(Clone)]
+pub(super) struct Viewport {
+    state: RenderState,
+    software: bool,
+}
+
+impl Viewport {
+    /// Makes the pipelines.
+    pub(super) fn new(state: RenderState) -> Self {
+        let renderer = ViewportRenderer::new(&state.device, &state.queue, state.target_format);
+        let resources = Resources { renderer, generation: 0, drawn: None };
+        state.renderer.write().callback_resources.insert(resources);
+        let software = state.adapter.get_info().device_type == wgpu::DeviceType::Cpu;
+        Self { state, software }
+    }
+
+    /// Whether the adapter is the processor itself: then edges are smoothed only at rest.
+    pub(super) fn is_software(&self) -> bool {
+        self.software
+    }
+
+    /// Runs an upload and marks what was drawn as out of date.
+    pub(super) fn upload<T>(
+        &self,
+        with: impl FnOnce(&mut ViewportRenderer, &wgpu::Device, &wgpu::Queue) -> T,
+    ) -> Option<T> {
+        let mut egui_renderer = self.state.renderer.write();
+        let resources: &mut Resources = egui_renderer.callback_resources.get_mut()?;
+        resources.generation += 1;
+        Some(with(&mut resources.renderer, &self.state.device, &self.state.queue))
+    }
+
+    /// Queues the frame for `rect`.
+    pub(super) fn paint(&self, ui: &egui::Ui, rect: egui::Rect, frame: FrameInput) {
+        ui.painter().add(egui_wgpu::Callback::new_paint_callback(rect, Callback { frame }));
+    }
+}
+
+struct Callback {
+    frame: FrameInput,
+}
+
+impl egui_wgpu::CallbackTrait for Callback {
+    fn prepare(
+        &self,
+        device: &wgpu::Device,
+        queue: &wgpu::Queue,
+        _screen: &egui_wgpu::ScreenDescriptor,
+        _egui_encoder: &mut wgpu::CommandEncoder,
+        resources: &mut CallbackResources,
+    ) -> Vec<wgpu::CommandBuffer> {
+        let Some(Resources { renderer, generation, drawn }) = resources.get_mut() else {
+            return Vec::new();
+        };
+        let wanted = (self.frame, *generation);
+        if *drawn == Some(wanted) {
+            return Vec::new();
+        }
+        *drawn = Some(wanted);
+        vec![renderer.prepare(device, queue, &self.frame)]
+    }
+
+    fn paint(
+        &self,
+        _info: egui::PaintCallbackInfo,
+        pass: &mut wgpu::RenderPass<'static>,
+        resources: &CallbackResources,
+    ) {
+        if let Some(resources) = resources.get::<Resources>() {
+            resources.renderer.paint(pass);
+        }
+    }
+}

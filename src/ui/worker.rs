@@ -1,0 +1,53 @@
+//! What the window asks of the solver's thread, so that tests can count it.
+
+use crate::scene::SceneSource;
+use crate::session::{MaterialEdit, Session, Snapshot, SolveSettings};
+use std::sync::Arc;
+
+/// The solver as the window sees it: requests in, snapshots out, no call blocks.
+pub trait Worker {
+    /// The newest snapshot.
+    fn latest(&self) -> Arc<Snapshot>;
+    /// Opens a scene and solves it.
+    fn open(&self, source: SceneSource);
+    /// Solves the present scene with other settings.
+    fn set_settings(&self, settings: SolveSettings);
+    /// Solves again with these reflectances, all edits since opening.
+    fn set_materials(&self, edits: Vec<MaterialEdit>);
+    /// Lets the solve rest where it is.
+    fn pause(&self);
+    /// Goes on from there.
+    fn resume(&self);
+    /// Ends the solve; the picture so far stays.
+    fn stop(&self);
+}
+
+impl Worker for Session {
+    fn latest(&self) -> Arc<Snapshot> {
+        self.latest()
+    }
+
+    fn open(&self, source: SceneSource) {
+        self.open(source);
+    }
+
+    fn set_settings(&self, settings: SolveSettings) {
+        self.set_settings(settings);
+    }
+
+    fn set_materials(&self, edits: Vec<MaterialEdit>) {
+        self.set_materials(edits);
+    }
+
+    fn pause(&self) {
+        self.pause();
+    }
+
+    fn resume(&self) {
+        self.resume();
+    }
+
+    fn stop(&self) {
+        self.stop();
+    }
+}

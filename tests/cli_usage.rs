@@ -1,0 +1,188 @@
+//! The command line as a user meets it: help, exit codes, and what it says to bad input.
+
+mod cli_support;
+
+use cli_support::Workplace;
+use std::io::{BufRead as _, BufReader, Read as _};
+use std::process::Stdio;
+
+#[test]
+fn help_names_every_command_and_option() {
+    let place = Workplace::with_room(0.5);
+    let help = place.succeed(&["--help"]);
+    for word in ["SCENE", "solve", "scenes", "check", "plan", "Exit codes"] {
+        assert!(help.contains(word), "{word} is missing:\n{help}");
+    }
+    let options = [
+        "--patch-size",
+        "--patches",
+        "--method",
+        "--resolution",
+        "--tolerance",
+        "--on",
+        "--off",
+        "--dim",
+        "--view",
+        "--eye",
+        "--target",
+        "--fov",
+        "--size",
+        "--image",
+        "--patch-table",
+        "--mesh",
+        "--points",
+        "--irradiance",
+        "--report",
+        "--threads",
+        "--with",
+        "--without",
+    ];
+    let help = place.succeed(&["solve", "--help"]);
+    for option in options {
+        assert!(help.contains(option), "{option} is missing:\n{help}");
+    }
+    assert!(place.succeed(&["scenes", "--help"]).contains("--export"));
+    assert!(place.succeed(&["plan", "--help"]).contains("--without"));
+    assert!(place.succeed(&["check", "--help"]).contains("SCENE"));
+    assert!(place.succeed(&["--version"]).contains(env!("CARGO_PKG_VERSION")));
+}
+
+#[test]
+fn wrong_usage_ends_with_2() {
+    let place = Workplace::with_room(0.5);
+    let wrong: &[&[&str]] = &[
+        &["solve"],
+        &["solve", "room.obj", "--nonsense"],
+        &["solve", "room.obj", "--method", "magic"],
+        &["solve", "room.obj", "--patch-size", "-1"],
+        &["solve", "room.obj", "--patch-size", "1", "--patches", "9"],
+        &["solve", "room.obj", "--tolerance", "0"],
+        &["solve", "room.obj", "--threads", "0"],
+        &["solve", "room.obj", "--dim", "Desk lamp"],
+        &["solve", "room.obj", "--dim", "Desk lamp=2"],
+        &["solve", "room.obj", "--points", "p.csv"],
+        &["solve", "room.obj", "--irradiance", "p.csv"],
+        &["solve", "room.obj", "--size", "640x400"],
+        &["solve", "room.obj", "--image", "a.png", "--size", "640"],
+        &["solve", "room.obj", "--image", "a.png", "--eye", "1,2,3"],
+        &["plan", "room.obj", "--with", "magic"],
+    ];
+    for arguments in wrong {
+        let output = place.run(arguments);
+        assert_eq!(output.status.code(), Some(2), "{arguments:?}");
+        assert!(output.stdout.is_empty() && !output.stderr.is_empty(), "{arguments:?}");
+    }
+}
+
+#[test]
+fn scenes_that_are_not_there_or_broken_are_told_in_one_sentence() {
+    let place = Workplace::with_room(0.5);
+    place.put("empty.obj", "");
+    place.put("broken.obj", "v 0 0 0\nv 1 0 0\nv nan 1 0\nf 1 2 3\n");
+    for command in ["solve", "check", "plan"] {
+        assert!(place.fail(2, &[command, "none.obj"]).contains("none.obj"));
+        assert!(place.fail(2, &[command, "builtin:none"]).contains("hemicube"));
+        assert!(place.fail(2, &[command, "empty.obj"]).contains("empty"));
+        assert!(place.fail(2, &[command, "broken.obj"]).contains("broken.obj"));
+        place.fail(2, &[command, "."]);
+    }
+    assert!(place.fail(2, &["none.obj"]).contains("none.obj"));
+    assert!(place.fail(2, &["builtin:none"]).contains("hemicube"));
+}
+
+#[test]
+fn unknown_names_are_answered_with_near_ones() {
+    let place = Workplace::with_room(0.5);
+    for option in ["--on", "--off"] {
+        let said = place.fail(2, &["solve", "room.obj", option, "Dask lmp"]);
+        assert!(said.contains("'Dask lmp'") && said.contains("'Desk lamp'"), "{said}");
+    }
+    assert!(place.fail(2, &["solve", "room.obj", "--dim", "Dsk=0.5"]).contains("'Desk lamp'"));
+    let said = place.fail(2, &["solve", "room.obj", "--image", "a.png", "--view", "Entry"]);
+    assert!(said.contains("'Entry'") && said.contains("'Entrance'"), "{said}");
+    let said = place.fail(2, &["solve", "room.obj", "--on", "Desk lamp", "--off", "desk lamp"]);
+    assert!(said.contains("--on and by --off"), "{said}");
+    let said = place.fail(2, &["plan", "room.obj", "--with", "visibility", "--without", "visibility"]);
+    assert!(said.contains("visibility"), "{said}");
+}
+
+#[test]
+fn bad_points_are_named_with_their_line() {
+    let place = Workplace::with_room(0.5);
+    place.put("bad.csv", "x,y,z,nx,ny,nz\n0,0,0,0,1,0\n0,0,0,0,one,0\n");
+    place.put("none.csv", "# nothing here\n");
+    let solve = |points| place.fail(2, &["solve", "room.obj", "--points", points, "--irradiance", "o.csv"]);
+    assert!(solve("bad.csv").contains("bad.csv:3"));
+    assert!(solve("none.csv").contains("no points"));
+    assert!(solve("missing.csv").contains("missing.csv"));
+}
+
+#[test]
+fn outputs_that_cannot_be_written_are_refused_before_the_solve() {
+    let place = Workplace::with_room(0.5);
+    for option in ["--patch-table", "--mesh", "--report", "--image"] {
+        let said = place.fail(1, &["solve", "room.obj", option, "no/such/folder/a.png"]);
+        assert!(said.contains("a.png") && said.contains("folder does not exist"), "{said}");
+        place.fail(1, &["solve", "room.obj", option, "room.obj/a.png"]);
+    }
+    std::fs::create_dir(place.path("folder.csv")).unwrap();
+    assert!(place.fail(1, &["solve", "room.obj", "--patch-table", "folder.csv"]).contains("folder"));
+    assert!(place.fail(2, &["solve", "room.obj", "--image", "a.tiff"]).contains(".png"));
+    let said = place.fail(2, &["solve", "room.obj", "--report", "a.x", "--patch-table", "a.x"]);
+    assert!(said.contains("two outputs"), "{said}");
+}
+
+#[test]
+fn a_reader_that_goes_away_is_no_error() {
+    let place = Workplace::with_room(0.5);
+    for arguments in [&["scenes"][..], &["check", "room.obj"], &["plan", "room.obj"], &["--help"]] {
+        let mut command = place.command(arguments);
+        let mut child = command.stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
+        drop(child.stdout.take());
+        let mut complaint = String::new();
+        child.stderr.take().unwrap().read_to_string(&mut complaint).unwrap();
+        assert_eq!(child.wait().unwrap().code(), Some(0), "{arguments:?}: {complaint}");
+        assert!(complaint.is_empty(), "{arguments:?}: {complaint}");
+    }
+}
+
+#[cfg(unix)]
+#[test]
+fn an_interrupt_ends_a_solve_and_leaves_nothing() {
+    use std::os::unix::process::ExitStatusExt as _;
+    let place = Workplace::with_room(0.5);
+    let before = place.files();
+    let mut child = place
+        .command(&["solve", "builtin:house", "--patches", "60000", "--image", "a.png", "--report", "a.json"])
+        .stdout(Stdio::null())
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap();
+    // The first word of progress shows that the solve has begun.
+    let mut lines = BufReader::new(child.stderr.take().unwrap());
+    let mut line = String::new();
+    lines.read_line(&mut line).unwrap();
+    let pid = child.id().to_string();
+    assert!(std::process::Command::new("kill").args(["-INT", &pid]).status().unwrap().success());
+    assert_eq!(child.wait().unwrap().signal(), Some(2), "after {line:?}");
+    assert_eq!(place.files(), before);
+}
+
+#[test]
+fn embedded_scenes_are_listed_and_written_out_without_overwriting_edits() {
+    let place = Workplace::with_room(0.5);
+    let list = place.succeed(&["scenes"]);
+    for name in ["builtin:hemicube", "builtin:cornell", "builtin:house", "builtin:gallery"] {
+        assert!(list.contains(name), "{list}");
+    }
+    let told = place.succeed(&["scenes", "--export", "out"]);
+    assert_eq!(told.lines().count(), 12, "{told}");
+    assert!(place.succeed(&["check", "out/hemicube.obj"]).contains("hemicube"));
+    place.succeed(&["scenes", "--export", "out"]);
+    place.put("out/house.toml", "unit = \"m\"\n");
+    let said = place.fail(1, &["scenes", "--export", "out"]);
+    assert!(said.contains("house.toml") && said.contains("--force"), "{said}");
+    assert_eq!(place.text("out/house.toml"), "unit = \"m\"\n");
+    place.succeed(&["scenes", "--export", "out", "--force"]);
+    assert!(place.text("out/house.toml").contains("[[view]]"));
+}
