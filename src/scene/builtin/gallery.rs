@@ -34,10 +34,10 @@ const BEAM: f64 = 0.36;
 /// Facets of the half circle of the vault.
 const FACETS: usize = 24;
 /// Column axes along the hall, metres.
-const COLUMNS: [f64; 5] = [-5.0, -2.5, 0.0, 2.5, 5.0];
+const COLUMNS: [f64; 4] = [-4.8, -1.6, 1.6, 4.8];
 
 pub(crate) fn model() -> Model {
-    let mut m = Model::new(("m", 1.0), 0.29);
+    let mut m = Model::new(("m", 1.0), 0.36);
     m.view("Nave", [0.35, 1.6, 6.1], [-0.1, 1.85, -2.0], 62.0);
     m.view("Colonnade", [-2.75, 1.6, 5.9], [-1.2, 1.35, -1.2], 62.0);
     m.view("Torso", [1.55, 1.5, 0.3], [-0.55, 1.35, -1.7], 60.0);
@@ -121,15 +121,7 @@ fn colonnades(m: &mut Model) {
             m.object("columns").paint(&STONE);
             m.place([x, 0.0, z], 0.0, |m| {
                 m.block([-0.2, 0.0, -0.2], [0.2, 0.12, 0.2], Faces::STANDING);
-                let shaft = [
-                    (0.175, 0.12),
-                    (0.175, 0.19),
-                    (0.15, 0.23),
-                    (0.145, 1.3),
-                    (0.128, 2.48),
-                    (0.17, 2.57),
-                    (0.17, 2.63),
-                ];
+                let shaft = [(0.172, 0.12), (0.148, 0.2), (0.141, 1.35), (0.128, 2.5), (0.172, 2.63)];
                 m.lathe(DVec3::ZERO, &shaft, 16);
                 m.block([-0.19, 2.63, -0.19], [0.19, ARCHITRAVE, 0.19], Faces::HANGING);
             });
@@ -242,7 +234,7 @@ fn twisted(m: &mut Model, half: f64, height: f64, steps: usize, turn_deg: f64) {
 
 /// Framed abstract pictures on the aisle walls, two centimetres in front of them.
 fn pictures(m: &mut Model) {
-    let bays = [-3.75, -1.25, 1.25, 3.75];
+    let bays = [-3.2, 0.0, 3.2];
     for (k, z) in bays.into_iter().enumerate() {
         m.place([-HALL, 1.55, z], 90.0, |m| picture(m, 1.2, 0.9, k));
         m.place([HALL, 1.55, z], -90.0, |m| picture(m, 0.9, 1.15, k + 4));
@@ -319,7 +311,7 @@ fn lamps(m: &mut Model) {
     let aisle = 0.5 * (NAVE + BEAM + HALL) + 0.12;
     let west = m.lamp("West picture spots", Output::White(3000.0, 4500.0), true);
     let east = m.lamp("East picture spots", Output::White(3000.0, 4500.0), true);
-    for z in [-3.75, -1.25, 1.25, 3.75] {
+    for z in [-3.2, 0.0, 3.2] {
         spot(m, west, -aisle, z, AISLE_CEILING);
         spot(m, east, aisle, z, AISLE_CEILING);
     }

@@ -16,7 +16,7 @@ const ROOM: DVec3 = dvec3(3.2, 2.6, 4.0);
 const LAMP: [f64; 4] = [1.1, 2.1, 1.2, 2.2];
 
 pub(crate) fn model() -> Model {
-    let mut m = Model::new(("m", 1.0), 0.172);
+    let mut m = Model::new(("m", 1.0), 0.18);
     m.view("Room", [1.6, 1.36, 3.95], [1.6, 1.3, 0.0], 60.0);
     m.view("Red wall", [2.75, 1.5, 3.4], [0.6, 0.55, 1.0], 55.0);
     m.view("Blue wall", [0.35, 1.5, 3.6], [2.6, 0.6, 1.6], 55.0);

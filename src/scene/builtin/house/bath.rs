@@ -1,8 +1,8 @@
 //! The bathroom.
 
-use super::furniture::{cabinet, plant, rug};
+use super::furniture::{cabinet, plant};
 use super::lamps::{downlight, wall_tube};
-use super::palette::{BRASS, CERAMIC, CREAM, DARK_FRAME, LINEN, OAK, RUST, STEEL};
+use super::palette::{BRASS, CERAMIC, DARK_FRAME, LINEN, OAK, RUST, STEEL};
 use super::shell::HEIGHT;
 use crate::scene::builtin::shapes::Faces;
 use crate::scene::builtin::writer::{Model, Output};
@@ -15,8 +15,7 @@ pub(crate) fn bathroom(m: &mut Model) {
         m.place([x, HEIGHT, z], 0.0, |m| downlight(m, downlights));
     }
     tub(m);
-    m.place([8.98, 0.0, 0.4], 0.0, |m| plant(m, 0.95, 16, 41));
-    m.place([7.95, 0.0, 1.15], 0.0, |m| rug(m, [0.95, 0.6], 0.05, &CREAM, &RUST));
+    m.place([8.98, 0.0, 0.4], 0.0, |m| plant(m, 0.95, 14, 41));
 
     let east = 9.24;
     m.place([east, 0.0, 1.85], -90.0, |m| {
@@ -71,7 +70,7 @@ fn tub(m: &mut Model) {
 fn toilet(m: &mut Model) {
     m.object("toilet").paint(&CERAMIC);
     m.block([-0.19, 0.38, 0.0], [0.19, 0.8, 0.16], Faces::ALL.without(Faces::BACK));
-    m.block([-0.12, 0.0, 0.0], [0.12, 0.38, 0.2], Faces::UPRIGHT.without(Faces::BACK).and(Faces::TOP));
+    m.block([-0.12, 0.0, 0.0], [0.12, 0.38, 0.16], Faces::UPRIGHT.without(Faces::BACK));
     m.lathe(dvec3(0.0, 0.0, 0.41), &[(0.13, 0.0), (0.13, 0.12), (0.2, 0.36), (0.2, 0.41)], 14);
     m.disc(dvec3(0.0, 0.41, 0.41), 0.2, 14, true);
 }

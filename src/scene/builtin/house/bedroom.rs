@@ -1,8 +1,8 @@
 //! The bedroom.
 
-use super::furniture::{bed, book_stack, cabinet, picture, plant, rug, vase};
+use super::furniture::{bed, book_stack, cabinet, picture, plant, vase};
 use super::lamps::{ceiling_disc, table_lamp};
-use super::palette::{BLUE_WOOL, BRASS, CERAMIC, CREAM, DARK_FRAME, JOINERY, MUSTARD, OAK, RUST, WALNUT};
+use super::palette::{BLUE_WOOL, BRASS, CERAMIC, DARK_FRAME, JOINERY, MUSTARD, OAK, WALNUT};
 use super::shell::HEIGHT;
 use super::textiles::curtains;
 use crate::scene::builtin::writer::{Model, Output, Paint};
@@ -23,7 +23,6 @@ pub(crate) fn bedroom(m: &mut Model) {
             m.place([0.0, 0.48, 0.16], 0.0, |m| table_lamp(m, lamp, &CERAMIC));
         });
     }
-    m.place([4.4, 0.0, 1.6], 0.0, |m| rug(m, [0.8, 2.0], 0.06, &CREAM, &RUST));
     m.place([3.32, 0.0, 1.15], 90.0, |m| {
         m.object("wardrobe");
         cabinet(m, [2.0, 2.2, 0.58], 4, &JOINERY, &JOINERY);

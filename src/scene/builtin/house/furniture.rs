@@ -89,14 +89,14 @@ pub(crate) fn bookshelf(m: &mut Model, [w, h, d]: [f64; 3], rows: usize, paint: 
         m.block([left, 0.0, 0.0], [left + board, h, d], Faces::STANDING.without(Faces::BACK));
     }
     let (inner, pitch) = (x - board, (h - board) / rows as f64);
-    m.wall(dvec3(-inner, 0.0, 0.01), DVec3::X, 2.0 * inner, h, &[]);
+    m.wall(dvec3(-inner, board, 0.01), DVec3::X, 2.0 * inner, h - 2.0 * board, &[]);
     let level = Faces::TOP.and(Faces::BOTTOM).and(Faces::FRONT);
     let mut random = Random(seed);
     for row in 0..=rows {
         let y = pitch * row as f64;
         m.object("shelves").paint(paint);
         m.block(
-            [-inner, y, 0.01],
+            [-inner, y, if row == rows { 0.0 } else { 0.01 }],
             [inner, y + board, d],
             if row == 0 { Faces::TOP.and(Faces::FRONT) } else { level },
         );
@@ -243,16 +243,6 @@ pub(crate) fn place_setting(m: &mut Model) {
     m.disc(dvec3(0.0, 0.006, 0.0), 0.075, 12, true);
     m.paint(&BRASS).lathe(dvec3(0.17, 0.0, -0.1), &[(0.03, 0.0), (0.036, 0.09)], 8);
     m.disc(dvec3(0.17, 0.085, -0.1), 0.035, 8, true);
-}
-
-/// A rug one centimetre thick: size along x and z, with a border of another colour.
-pub(crate) fn rug(m: &mut Model, [w, d]: [f64; 2], border: f64, field: &Paint, edge: &Paint) {
-    let (x, z, y) = (0.5 * w, 0.5 * d, 0.01);
-    m.object("rugs").paint(edge);
-    m.block([-x, 0.0, -z], [x, y, z], Faces::UPRIGHT);
-    m.panel(dvec3(-x, y, z), (DVec3::X, w), (-DVec3::Z, d), &[[border, w - border, border, d - border]]);
-    m.paint(field);
-    m.quad(dvec3(border - x, y, z - border), DVec3::X * (w - 2.0 * border), -DVec3::Z * (d - 2.0 * border));
 }
 
 /// A bed with its head at z = 0: width and length.

@@ -1,12 +1,12 @@
 //! Dining room and kitchen.
 
-use super::SOUTH;
-use super::furniture::{bowl, cabinet, chair, fronts, picture, place_setting, plant, rug, table, vase};
+use super::furniture::{bowl, cabinet, chair, fronts, picture, place_setting, plant, table, vase};
 use super::lamps::{dome_pendant, globe_pendant, strip};
 use super::palette::{
-    BLACK, BRASS, CERAMIC, CHARCOAL, DARK_FRAME, JOINERY, KITCHEN_TILE, MUSTARD, OAK, PINE_GREEN, POT, RUST,
+    BLACK, BRASS, CERAMIC, DARK_FRAME, JOINERY, KITCHEN_TILE, MUSTARD, OAK, PINE_GREEN, POT, RUST,
     SAGE_FRONT, STEEL, WALNUT, WORKTOP,
 };
+use super::plan::SOUTH;
 use super::shell::HEIGHT;
 use super::textiles::curtains;
 use crate::scene::builtin::shapes::Faces;
@@ -22,8 +22,7 @@ pub(crate) fn dining_room(m: &mut Model) {
     for dz in [-0.65, 0.0, 0.65] {
         m.place([x, HEIGHT, z + dz], 0.0, |m| dome_pendant(m, pendants, 0.98, &ENAMEL));
     }
-    m.place([x, 0.0, z], 0.0, |m| rug(m, [2.4, 3.0], 0.1, &RUST, &CHARCOAL));
-    m.place([x, 0.01, z], 0.0, |m| {
+    m.place([x, 0.0, z], 0.0, |m| {
         m.object("dining_table");
         table(m, [0.95, 0.75, 1.9], 0.06, &OAK, &OAK);
         m.object("dining_chairs");

@@ -1,10 +1,8 @@
 //! The study.
 
-use super::furniture::{book_stack, bookshelf, chair, picture, plant, rug, table};
+use super::furniture::{book_stack, bookshelf, chair, picture, plant, table};
 use super::lamps::{desk_lamp, dome_pendant};
-use super::palette::{
-    BLACK, BRASS, CHARCOAL, CREAM, DARK_FRAME, MUSTARD, OAK, PAPER, RUST, SAGE_FRONT, WALNUT,
-};
+use super::palette::{BLACK, BRASS, CHARCOAL, DARK_FRAME, MUSTARD, OAK, PAPER, RUST, SAGE_FRONT, WALNUT};
 use super::shell::HEIGHT;
 use super::textiles::{armchair, throw_cushion};
 use crate::scene::builtin::shapes::Faces;
@@ -43,14 +41,13 @@ pub(crate) fn study(m: &mut Model) {
         bookshelf(m, [1.25, 2.15, 0.28], 6, &OAK, 5);
     });
     m.place([2.6, 0.0, 0.0], 0.0, low_shelf);
-    m.place([0.62, 0.0, 0.42], 0.0, |m| plant(m, 1.25, 20, 17));
+    m.place([0.62, 0.0, 0.42], 0.0, |m| plant(m, 1.25, 15, 17));
     m.place([0.22, 0.0, 3.02], 135.0, |m| {
         m.place([0.0, 0.0, 0.28], 0.0, |m| {
             armchair(m, &SAGE_FRONT, &WALNUT);
             m.place([0.02, 0.44, 0.17], 5.0, |m| throw_cushion(m, &MUSTARD));
         });
     });
-    m.place([1.75, 0.0, 1.75], 0.0, |m| rug(m, [1.2, 1.7], 0.08, &CREAM, &CHARCOAL));
     m.place([3.2, 1.5, 1.3], -90.0, |m| picture(m, [0.9, 0.7], &DARK_FRAME, 1));
 }
 

@@ -2,52 +2,35 @@
 
 use super::furniture::{plant, table};
 use super::palette::{DARK_FRAME, OAK};
-use super::{OUTER, SOUTH};
+use super::plan::{OUTER, SOUTH};
 use crate::scene::builtin::shapes::Faces;
 use crate::scene::builtin::writer::{LampId, Model, Output, Paint};
 use glam::{DVec3, dvec3};
 
-const FACADE: Paint = Paint::solid("facade_render", [0.66, 0.62, 0.54]);
 const DECK: Paint = Paint::solid("larch_deck", [0.34, 0.23, 0.15]);
-const FENCE: Paint = Paint::solid("larch_fence", [0.40, 0.26, 0.15]);
-const GAP: Paint = Paint::solid("fence_gap", [0.05, 0.04, 0.03]);
-const HEDGE: Paint = Paint::solid("hedge", [0.07, 0.16, 0.05]);
+const BOARD: Paint = Paint::solid("larch_board", [0.40, 0.26, 0.15]);
+const WEATHERED: Paint = Paint::solid("larch_weathered", [0.33, 0.24, 0.17]);
 
 /// West and east end and south edge of the terrace, its level, metres.
-const WEST: f64 = -0.3;
-const EAST: f64 = 8.9;
-const EDGE: f64 = 11.3;
+const WEST: f64 = -0.4;
+const EAST: f64 = 8.8;
+const EDGE: f64 = 10.8;
 const LEVEL: f64 = -0.02;
 
-/// `windows` are the openings of the south wall as x from, x to, sill and head.
-pub(crate) fn terrace(m: &mut Model, windows: &[[f64; 4]]) {
+pub(crate) fn terrace(m: &mut Model) {
     let lights = m.lamp("Terrace wall lights", Output::White(1500.0, 3000.0), true);
-    let (front, width, eaves) = (SOUTH + OUTER, EAST - WEST, 2.8);
-
-    m.object("facade").paint(&FACADE);
-    let holes: Vec<_> =
-        windows.iter().map(|[x0, x1, y0, y1]| [x0 - WEST, x1 - WEST, y0 - LEVEL, y1 - LEVEL]).collect();
-    m.wall(dvec3(WEST, LEVEL, front), DVec3::X, width, eaves - LEVEL, &holes);
-    m.object("eaves");
-    m.quad(dvec3(WEST, eaves, front), DVec3::X * width, DVec3::Z * 0.7);
+    let (front, width) = (SOUTH + OUTER, EAST - WEST);
     m.object("deck").paint(&DECK);
     m.quad(dvec3(WEST, LEVEL, EDGE), DVec3::X * width, DVec3::Z * (front - EDGE));
 
-    // A fence of upright boards closes the south, hedges the other two sides.
-    let (height, boards) = (1.9, 24);
-    let pitch = width / boards as f64;
-    let slats: Vec<_> =
-        (0..boards).map(|k| [pitch * k as f64 + 0.02, pitch * (k + 1) as f64 - 0.02, 0.06, height]).collect();
-    m.object("fence").paint(&GAP);
-    m.wall(dvec3(EAST, LEVEL, EDGE), -DVec3::X, width, height, &slats);
-    m.paint(&FENCE);
-    for [u0, u1, v0, v1] in slats {
-        m.wall(dvec3(EAST - u0, LEVEL + v0, EDGE), -DVec3::X, u1 - u0, v1 - v0, &[]);
+    // A fence of broad upright boards of two tones closes the south.
+    let (height, boards) = (1.8, 16);
+    let pitch = width / f64::from(boards);
+    m.object("fence");
+    for k in 0..boards {
+        m.paint(if k % 2 == 0 { &BOARD } else { &WEATHERED });
+        m.wall(dvec3(EAST - pitch * f64::from(k), LEVEL, EDGE), -DVec3::X, pitch, height, &[]);
     }
-    m.object("hedges").paint(&HEDGE);
-    m.wall(dvec3(WEST, LEVEL, EDGE), -DVec3::Z, EDGE - front, 1.5, &[]);
-    m.wall(dvec3(EAST, LEVEL, front), DVec3::Z, EDGE - front, 1.5, &[]);
-
     for x in [1.1, 2.9, 4.7, 6.5, 8.0] {
         m.place([x, 1.25, EDGE], 180.0, |m| wall_light(m, lights));
     }
@@ -55,7 +38,7 @@ pub(crate) fn terrace(m: &mut Model, windows: &[[f64; 4]]) {
         m.place([x, LEVEL, EDGE - 0.42], 0.0, |m| {
             m.object("planters").paint(&DARK_FRAME);
             m.block([-0.25, 0.0, -0.25], [0.25, 0.3, 0.25], Faces::STANDING);
-            m.place([0.0, 0.3, 0.0], 0.0, |m| plant(m, height, 18, seed));
+            m.place([0.0, 0.3, 0.0], 0.0, |m| plant(m, height, 12, seed));
         });
     }
     m.object("terrace_bench");

@@ -61,8 +61,8 @@ pub(crate) fn curtain(m: &mut Model, width: f64, foot: f64, top: f64, folds: usi
 /// x = 0, on the wall z = 0 and facing +z.
 pub(crate) fn curtains(m: &mut Model, width: f64, foot: f64, top: f64, drawn: f64) {
     let (z, over) = (0.09, 0.25);
-    m.place([-over, 0.0, z], 0.0, |m| curtain(m, drawn, foot, top - 0.02, 5));
-    m.place([width + over - drawn, 0.0, z], 0.0, |m| curtain(m, drawn, foot, top - 0.02, 5));
+    m.place([-over, 0.0, z], 0.0, |m| curtain(m, drawn, foot, top - 0.02, 4));
+    m.place([width + over - drawn, 0.0, z], 0.0, |m| curtain(m, drawn, foot, top - 0.02, 4));
     m.object("curtain_rails").paint(&DARK_FRAME);
     m.block([-over - 0.08, top + 0.03, z - 0.012], [width + over + 0.08, top + 0.054, z + 0.012], Faces::ALL);
 }
