@@ -37,7 +37,7 @@ const FACETS: usize = 24;
 const COLUMNS: [f64; 4] = [-4.8, -1.6, 1.6, 4.8];
 
 pub(crate) fn model() -> Model {
-    let mut m = Model::new(("m", 1.0), 0.36);
+    let mut m = Model::new(("m", 1.0), 0.42);
     m.view("Nave", [0.35, 1.6, 6.1], [-0.1, 1.85, -2.0], 62.0);
     m.view("Colonnade", [-2.75, 1.6, 5.9], [-1.2, 1.35, -1.2], 62.0);
     m.view("Torso", [1.55, 1.5, 0.3], [-0.55, 1.35, -1.7], 60.0);

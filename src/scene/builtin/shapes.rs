@@ -115,7 +115,7 @@ impl Model {
         self.polygon(&floor);
     }
 
-    /// A block without a bottom whose upper edges are bevelled: cushions, mattresses, worn stone.
+    /// A block without a bottom whose upper edges are bevelled: cushions and mattresses.
     pub(crate) fn cushion(&mut self, min: [f64; 3], max: [f64; 3], bevel: f64) {
         let (a, b) = (DVec3::from(min), DVec3::from(max));
         let low = rectangle([a.x, a.z], [b.x, b.z], a.y);

@@ -43,10 +43,10 @@ pub(crate) fn bathroom(m: &mut Model) {
     // Towels over a rail on the south wall, beside the door.
     m.place([8.72, 0.0, 3.2], 180.0, |m| {
         m.object("towel_rail").paint(&STEEL);
-        for y in [1.0, 1.45] {
+        for y in [0.98, 1.45] {
             m.block([-0.36, y, 0.07], [0.36, y + 0.02, 0.09], Faces::ALL);
         }
-        for (x0, x1, y, paint) in [(-0.3, 0.05, 1.45, &RUST), (-0.05, 0.3, 1.0, &LINEN)] {
+        for (x0, x1, y, paint) in [(-0.3, 0.05, 1.45, &RUST), (-0.05, 0.3, 0.98, &LINEN)] {
             m.object("towels").paint(paint);
             m.block([x0, y - 0.42, 0.095], [x1, y + 0.035, 0.115], Faces::ALL);
         }

@@ -30,7 +30,7 @@ pub(crate) fn hall(m: &mut Model) {
         m.paint(&MUSTARD).cushion([-0.62, 0.46, 0.03], [0.1, 0.51, 0.36], 0.02);
         m.object("coat_rack").paint(&OAK);
         m.block([-0.65, 1.62, 0.0], [0.65, 1.74, 0.02], Faces::ALL.without(Faces::BACK));
-        for (x, paint) in [(-0.45, &CHARCOAL), (-0.12, &RUST), (0.28, &SAGE_FRONT)] {
+        for (x, paint) in [(-0.46, &CHARCOAL), (-0.08, &RUST), (0.34, &SAGE_FRONT)] {
             m.object("coat_rack").paint(&DARK_FRAME);
             m.block([x - 0.012, 1.66, 0.02], [x + 0.012, 1.685, 0.1], Faces::ALL.without(Faces::BACK));
             coat(m, x, paint);

@@ -94,11 +94,7 @@ pub(crate) fn kitchen(m: &mut Model) {
             let (radius, height) = (0.045 + 0.008 * (k % 3) as f64, 0.12 + 0.03 * (k % 2) as f64);
             m.object("jars").paint(paint);
             let at = dvec3(9.02 + 0.28 * k as f64, y + 0.025, 4.61);
-            m.lathe(
-                at,
-                &[(radius, 0.0), (radius, height), (0.6 * radius, height + 0.02), (0.0, height + 0.02)],
-                10,
-            );
+            m.lathe(at, &[(radius, 0.0), (radius, height), (0.0, height + 0.025)], 8);
         }
     }
 }
@@ -163,11 +159,11 @@ fn worktops(m: &mut Model) {
 /// Cupboards on the east wall and the hood between them.
 fn wall_units(m: &mut Model) {
     let (low, high, depth) = (1.5, 2.25, 0.34);
-    for (z0, z1, doors) in [(RUN_NORTH, 6.6, 2), (7.2, SOUTH, 3)] {
+    for (z0, z1, doors, touching) in [(RUN_NORTH, 6.6, 2, Faces::LEFT), (7.2, SOUTH, 3, Faces::RIGHT)] {
         m.object("wall_units");
         m.place([EAST, low, z0], -90.0, |m| {
             let (w, h) = (z1 - z0, high - low);
-            m.paint(&JOINERY).block([0.0, 0.0, 0.0], [w, h, depth], Faces::AROUND);
+            m.paint(&JOINERY).block([0.0, 0.0, 0.0], [w, h, depth], Faces::AROUND.without(touching));
             fronts(m, [0.0, 0.0, depth], [w, h], doors, 0.01, &JOINERY);
         });
     }

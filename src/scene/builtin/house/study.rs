@@ -21,11 +21,7 @@ pub(crate) fn study(m: &mut Model) {
         m.place([0.58, 0.74, -0.16], -35.0, |m| desk_lamp(m, desk));
         m.object("monitor").paint(&BLACK);
         m.block([-0.31, 0.86, -0.2], [0.31, 1.22, -0.175], Faces::ALL);
-        m.block(
-            [-0.03, 0.75, -0.215],
-            [0.03, 1.0, -0.2],
-            Faces::ALL.without(Faces::FRONT).without(Faces::BOTTOM),
-        );
+        m.block([-0.03, 0.75, -0.225], [0.03, 1.0, -0.205], Faces::STANDING);
         m.block([-0.12, 0.74, -0.26], [0.12, 0.75, -0.08], Faces::STANDING);
         m.paint(&CHARCOAL).block([-0.2, 0.74, 0.05], [0.2, 0.755, 0.18], Faces::STANDING);
         m.paint(&PAPER);

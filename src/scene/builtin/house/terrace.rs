@@ -14,7 +14,7 @@ const WEATHERED: Paint = Paint::solid("larch_weathered", [0.33, 0.24, 0.17]);
 /// West and east end and south edge of the terrace, its level, metres.
 const WEST: f64 = -0.4;
 const EAST: f64 = 8.8;
-const EDGE: f64 = 10.8;
+const EDGE: f64 = 10.5;
 const LEVEL: f64 = -0.02;
 
 pub(crate) fn terrace(m: &mut Model) {
