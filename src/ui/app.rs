@@ -178,7 +178,6 @@ impl App {
         }
         if news.bases {
             self.picture.relight(&self.edits.lighting);
-            self.picture.relight_reference();
             self.stale.light = true;
             self.stale.exposure = true;
         }
@@ -300,6 +299,7 @@ impl App {
             scene: prepared.map(|p| &*p.scene),
             mesh: prepared.map(|p| &*p.mesh),
             light: &self.picture.light,
+            light_version: self.picture.light_version,
             reflectance: &self.picture.reflectance,
             aspect: prepared.map_or(&[], |p| &p.aspect),
             edits: &self.edits,
