@@ -49,7 +49,6 @@ pub struct App {
     pub(super) files: Files,
     pub(super) path_dialog: Option<PathDialog>,
     pub(super) help_open: bool,
-    pub(super) tab_pressed: bool,
     pub(super) viewport: Option<Viewport>,
     pub(super) view_rect: egui::Rect,
     /// Where an orbit started: the point under the cursor.
@@ -90,6 +89,7 @@ impl App {
     /// Without a graphics adapter (in tests) everything but the picture works.
     pub fn new(cc: &eframe::CreationContext<'_>, worker: Box<dyn Worker>, state: UiState) -> Self {
         theme::apply(&cc.egui_ctx);
+        cc.egui_ctx.add_plugin(input::TabKey::default());
         Self {
             snapshot: worker.latest(),
             worker,
@@ -108,7 +108,6 @@ impl App {
             files: Files::new(cc.egui_ctx.clone()),
             path_dialog: None,
             help_open: false,
-            tab_pressed: false,
             viewport: cc.wgpu_render_state.clone().map(Viewport::new),
             view_rect: egui::Rect::ZERO,
             pivot: None,
@@ -347,7 +346,7 @@ impl eframe::App for App {
 
     fn ui(&mut self, ui: &mut egui::Ui, _frame: &mut eframe::Frame) {
         let mut out = Commands::new();
-        if std::mem::take(&mut self.tab_pressed) {
+        if input::take_tab(ui.ctx()) {
             out.push(super::command::Command::TogglePanels);
         }
         input::commands(ui.ctx(), &self.model(), self.help_open, &mut out);
@@ -366,24 +365,6 @@ impl eframe::App for App {
         if any {
             ui.ctx().request_repaint();
         }
-    }
-
-    fn raw_input_hook(&mut self, ctx: &egui::Context, raw_input: &mut egui::RawInput) {
-        // Tab folds the panels unless the keyboard is among the widgets already: F6 takes it there.
-        if ctx.memory(|m| m.focused()).is_some() {
-            return;
-        }
-        raw_input.events.retain_mut(|event| match event {
-            egui::Event::Key { key: egui::Key::Tab, pressed, modifiers, .. } if modifiers.is_none() => {
-                self.tab_pressed |= *pressed;
-                false
-            }
-            egui::Event::Key { key, .. } if *key == egui::Key::F6 => {
-                *key = egui::Key::Tab;
-                true
-            }
-            _ => true,
-        });
     }
 
     fn save(&mut self, storage: &mut dyn eframe::Storage) {
