@@ -57,8 +57,11 @@ pub(super) fn gather(
             luminaires.push(Luminaire { name, area: area(parts, surfaces, &members), initial });
         }
     }
-    for ((object, material), members) in unclaimed(parts, surfaces) {
-        let several = unclaimed_materials(parts, surfaces, object) > 1;
+    let free = unclaimed(parts, surfaces);
+    let mut materials_of: HashMap<u32, u32> = HashMap::new();
+    free.iter().for_each(|((object, _), _)| *materials_of.entry(*object).or_default() += 1);
+    for ((object, material), members) in free {
+        let several = materials_of[&object] > 1;
         let name =
             default_name(&parts.objects[object as usize], several, &parts.materials[material as usize].name);
         let exitance = parts.exitance[material as usize];
@@ -97,11 +100,6 @@ fn unclaimed(parts: &Parts<'_>, surfaces: &[Surface]) -> Vec<((u32, u32), Vec<us
         }
     }
     order
-}
-
-fn unclaimed_materials(parts: &Parts<'_>, surfaces: &[Surface], object: u32) -> usize {
-    let of_object = surfaces.iter().filter(|s| s.object == object && emits(parts, s));
-    of_object.map(|s| s.material).collect::<HashSet<_>>().len()
 }
 
 fn emits(parts: &Parts<'_>, surface: &Surface) -> bool {

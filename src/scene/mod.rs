@@ -2,6 +2,17 @@
 //!
 //! Everything downstream reads a [`Scene`]; [`load`] makes one from an OBJ file with its MTL and
 //! sidecar, or from an embedded scene by name.
+//!
+//! The sidecar is a TOML file of the OBJ's name beside it. Every key may be left out, and an unknown
+//! one is an error:
+//!
+//! ```toml
+#![doc = include_str!("sidecar_example.toml")]
+//! ```
+//!
+//! A luminaire is made of the surfaces that it selects and that have an emission Ke; where none of
+//! them has one, all of them emit. Surfaces with Ke that no entry selects make one luminaire for
+//! each object and material.
 
 pub mod builtin;
 mod colour;

@@ -68,9 +68,11 @@ pub(super) fn logical_lines(text: &str) -> impl Iterator<Item = (usize, std::bor
     std::iter::from_fn(move || {
         let (index, first) = lines.next()?;
         let mut line = std::borrow::Cow::Borrowed(first.trim());
-        while let Some(head) = line.strip_suffix('\\') {
-            let next = lines.next().map_or("", |(_, next)| next.trim());
-            line = format!("{head} {next}").into();
+        while line.ends_with('\\') {
+            let joined = line.to_mut();
+            joined.pop();
+            joined.push(' ');
+            joined.push_str(lines.next().map_or("", |(_, next)| next.trim()));
         }
         Some((index + 1, line))
     })

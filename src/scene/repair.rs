@@ -13,7 +13,7 @@ const FLATNESS: f64 = 1e-3;
 /// Below this ratio of area to squared size a polygon is a line.
 const THINNEST: f64 = 1e-9;
 /// Outlines with more corners are cut into triangles without a search for crossings.
-const LONGEST_SEARCH: usize = 2048;
+const LONGEST_SEARCH: usize = 512;
 /// Normals within this cosine (0.1 degrees) of the polygon's own add nothing.
 const SAME_NORMAL: f64 = 1.0 - 1.5e-6;
 

@@ -348,3 +348,30 @@ impl LuminaireEntry {
         None
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::{LampState, Sides, from_text};
+    use glam::DVec3;
+
+    #[test]
+    fn the_example_of_the_documentation_does_what_it_says() {
+        let obj = "mtllib m.mtl\nv 0 0 0\nv 400 0 0\nv 400 0 500\nv 0 250 0\nv 50 250 0\nv 50 250 50\n\
+            usemtl plaster\nf 3 2 1\no pendant\nusemtl shade\nf 4 5 6\n";
+        let mtl = "newmtl plaster\nKd 0.5 0.5 0.5\nnewmtl shade\nKd 0.5 0.5 0.5\n";
+        let scene = from_text("t", obj, mtl, Some(include_str!("sidecar_example.toml"))).unwrap();
+        assert_eq!(scene.positions[1], DVec3::new(4.0, 0.0, 0.0));
+        let view = &scene.views[scene.start_view];
+        assert_eq!(
+            (view.name.as_str(), view.eye, view.fov_y_deg),
+            ("From the door", DVec3::new(3.5, 1.6, 4.5), 65.0)
+        );
+        assert_eq!(scene.patch_size, Some(0.15));
+        assert_eq!(scene.luminaires[0].name, "Kitchen pendant");
+        let LampState { on, dimmer, exitance } = scene.luminaires[0].initial;
+        assert!(on && dimmer == 0.8 && exitance[0] > exitance[1] && exitance[1] > exitance[2]);
+        assert_eq!(scene.materials[0].reflectance, [0.82, 0.81, 0.78]);
+        assert_eq!(scene.materials[0].sides, Sides::Auto);
+        assert_eq!(scene.findings, []);
+    }
+}

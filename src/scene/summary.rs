@@ -117,6 +117,10 @@ impl Summary {
     }
 }
 
+fn polygons(count: usize) -> String {
+    if count == 1 { "1 surface".to_owned() } else { format!("{count} surfaces") }
+}
+
 impl fmt::Display for Summary {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let size = self.bounds.size();
@@ -150,18 +154,17 @@ impl fmt::Display for Summary {
             let image = if material.textured { " x image" } else { "" };
             writeln!(
                 f,
-                "    {:column$}  reflectance {r:.3} {g:.3} {b:.3}{image}, {:.3} m2 in {} surfaces",
-                material.name, material.area, material.surfaces
+                "    {:column$}  reflectance {r:.3} {g:.3} {b:.3}{image}, {:.3} m2 in {}",
+                material.name,
+                material.area,
+                polygons(material.surfaces)
             )?;
         }
         writeln!(f, "  luminaires  {}", self.luminaires.len())?;
         let column = width(&mut self.luminaires.iter().map(|l| l.name.as_str()));
         for lamp in &self.luminaires {
-            write!(
-                f,
-                "    {:column$}  {:.0} lm, {:.4} m2 in {} surfaces",
-                lamp.name, lamp.lumens, lamp.area, lamp.surfaces
-            )?;
+            let polygons = polygons(lamp.surfaces);
+            write!(f, "    {:column$}  {:.0} lm, {:.4} m2 in {polygons}", lamp.name, lamp.lumens, lamp.area)?;
             match lamp.initial_lumens {
                 output if output == lamp.lumens => writeln!(f)?,
                 0.0 => writeln!(f, ", off")?,

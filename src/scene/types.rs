@@ -221,7 +221,7 @@ pub struct LampState {
     /// 0 to 1, linear in light.
     pub dimmer: f64,
     /// Radiant exitance at full output, W/m² per band: colour and strength in one. Where the
-    /// surfaces of one lamp differ, that of the brightest; the others keep their ratio to it.
+    /// surfaces of one lamp differ, the largest in each band; all keep their ratio to it.
     pub exitance: [f64; 3],
 }
 
