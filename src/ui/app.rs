@@ -159,11 +159,12 @@ impl App {
     /// Where the camera stands, once a scene is shown.
     pub fn camera(&self) -> Option<crate::render::Camera> {
         let control = self.camera.as_ref()?;
+        let aspect = f64::from(self.view_size_px[0]) / f64::from(self.view_size_px[1]);
         Some(crate::render::Camera {
             eye: control.pose().eye,
             forward: control.forward(),
             up: control.up(),
-            fov_y_deg: control.pose().fov_y_deg,
+            fov_y_deg: fitted_fov(control.pose().fov_y_deg, aspect),
         })
     }
 
@@ -226,6 +227,10 @@ impl App {
                 self.path_dialog = Some(PathDialog::new(kind, suggestion));
             }
             FileNews::Saved(path) => {
+                if path.extension().is_some_and(|e| e == "toml") {
+                    // What the window wrote itself is no change to load.
+                    self.files.watch(self.scene_shown.as_ref().map(|scene| &scene.source));
+                }
                 let text = format!("Saved {}", path.display());
                 self.notice = Some(Notice { text, is_error: false, since: time });
             }
@@ -376,6 +381,17 @@ impl eframe::App for App {
     }
 }
 
+/// Narrowest view, width over height, that a field of view is meant for.
+const MEANT_ASPECT: f64 = 1.45;
+
+/// The vertical field of view, degrees, with which a narrower view keeps what a bookmark shows
+/// from left to right.
+fn fitted_fov(fov_y_deg: f64, aspect: f64) -> f64 {
+    let narrow = (MEANT_ASPECT / aspect.max(0.1)).max(1.0);
+    let half = (0.5 * fov_y_deg.to_radians()).tan() * narrow;
+    (2.0 * half.atan().to_degrees()).min(140.0)
+}
+
 fn scroll(ui: &mut egui::Ui, name: &str, contents: impl FnOnce(&mut egui::Ui)) {
     egui::ScrollArea::vertical().id_salt(name).auto_shrink(false).show(ui, |ui| {
         // Room for the scroll bar, so that nothing is clipped and nothing jumps.
@@ -389,4 +405,18 @@ fn resident_bytes() -> Option<u64> {
     let status = std::fs::read_to_string("/proc/self/status").ok()?;
     let line = status.lines().find_map(|line| line.strip_prefix("VmRSS:"))?;
     line.trim().strip_suffix("kB")?.trim().parse::<u64>().ok().map(|kb| kb * 1024)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::fitted_fov;
+
+    #[test]
+    fn a_narrow_view_keeps_the_width_and_a_wide_one_the_height() {
+        assert!((fitted_fov(50.0, 1.6) - 50.0).abs() < 1e-9);
+        let width = |fov: f64, aspect: f64| (0.5 * fov.to_radians()).tan() * aspect;
+        let narrow = fitted_fov(50.0, 1.0);
+        assert!((width(narrow, 1.0) - width(50.0, 1.45)).abs() < 1e-9, "{narrow}");
+        assert!(fitted_fov(110.0, 0.2) <= 140.0);
+    }
 }

@@ -139,7 +139,7 @@ impl Default for DisplaySettings {
             white_balance: true,
             tone_map: ToneMap::default(),
             range: None,
-            logarithmic: true,
+            logarithmic: false,
             wireframe: false,
             show_unlit: false,
             readout: true,
