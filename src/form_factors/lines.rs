@@ -106,9 +106,6 @@ pub struct LineSampler {
 /// Intervals shorter than this in x carry nothing.
 const SHORTEST: f64 = 1e-13;
 
-/// An edge whose plane with the receiver leans from the axis by less than this goes through it.
-const ON_AXIS: f64 = 1e-12;
-
 impl LineSampler {
     /// Adds the form factors from `point` to every patch to `row`.
     ///
@@ -227,24 +224,26 @@ impl LineSampler {
             if first >= end {
                 continue;
             }
-            // An edge through the receiver's axis has no slope but rounding error: it is met there.
-            let (p_reach, q_reach) = (p.x.hypot(p.y), q.x.hypot(q.y));
-            let straddles = p.x * q.x + p.y * q.y < 0.0;
-            let on_axis = (straddles && m.z.abs() <= ON_AXIS * m.length())
-                .then(|| if p.z * q_reach + q.z * p_reach > 0.0 { -1.0 } else { 1.0 });
             let scale = -1.0 / m.z;
             let (slope_x, slope_y) = (m.x * scale, m.y * scale);
-            // An edge that points along a half-plane has a slope of rounding errors alone: its
-            // crossing is held between its ends.
+            // A slope that is rounding error alone: the edge goes through the axis, and is met there,
+            // or points along the half-planes, and its crossing is held between its ends.
             let radial = m.z.abs() <= 1e-9 * (m.x.abs() + m.y.abs());
-            let cot_of = |p: DVec3| p.z / p.x.hypot(p.y).max(f64::MIN_POSITIVE);
-            let limits = if radial { [cot_of(p), cot_of(q)] } else { [0.0; 2] };
+            let (mut on_axis, mut limits) = (None, [0.0; 2]);
+            if radial {
+                let (p_reach, q_reach) = (p.x.hypot(p.y), q.x.hypot(q.y));
+                if p.x * q.x + p.y * q.y < 0.0 {
+                    on_axis = Some(if p.z * q_reach + q.z * p_reach > 0.0 { -1.0 } else { 1.0 });
+                }
+                let (a, b) = (p.z / p_reach.max(f64::MIN_POSITIVE), q.z / q_reach.max(f64::MIN_POSITIVE));
+                limits = [a.min(b), a.max(b)];
+            }
             let mut k = (first as i64).rem_euclid(n as i64) as usize;
             for _ in 0..(end - first) as usize {
                 let [cos, sin] = fan.directions[k];
                 let mut cot = slope_x * cos + slope_y * sin;
                 if radial {
-                    cot = cot.max(limits[0].min(limits[1])).min(limits[0].max(limits[1]));
+                    cot = cot.max(limits[0]).min(limits[1]);
                 }
                 // NaN falls to the horizon.
                 let x = on_axis.unwrap_or(if cot > 0.0 { (1.0 - cot) / (1.0 + cot) } else { 1.0 });

@@ -133,6 +133,7 @@ pub fn build(scene: &Scene, settings: &MeshSettings) -> Result<PatchMesh, MeshEr
     }
     mesh.blockers = blockers(&outlines, size);
     mesh.statistics = statistics(&mesh, scene, &sides, dropped, patch_size);
+    mesh.contacts = contacts;
     Ok(mesh)
 }
 

@@ -140,6 +140,9 @@ pub struct PatchMesh {
     pub piece_lists: Vec<u32>,
     /// Large convex parts of surfaces by falling area: what hides most of a scene. Corners, metres.
     pub blockers: Vec<Vec<DVec3>>,
+    /// For each region the segments, in its plane coordinates, along which other surfaces stand on
+    /// it: the light may jump there. Empty where regions were not cut along them.
+    pub contacts: Vec<Vec<[DVec2; 2]>>,
     /// Diagonal of the box around everything, metres.
     pub size: f64,
     /// Counts and shapes.
