@@ -49,7 +49,6 @@ pub struct App {
     pub(super) files: Files,
     pub(super) path_dialog: Option<PathDialog>,
     pub(super) help_open: bool,
-    pub(super) tab_pressed: bool,
     pub(super) viewport: Option<Viewport>,
     pub(super) view_rect: egui::Rect,
     /// Where an orbit started: the point under the cursor.
@@ -90,6 +89,7 @@ impl App {
     /// Without a graphics adapter (in tests) everything but the picture works.
     pub fn new(cc: &eframe::CreationContext<'_>, worker: Box<dyn Worker>, state: UiState) -> Self {
         theme::apply(&cc.egui_ctx);
+        cc.egui_ctx.add_plugin(input::TabKey::default());
         Self {
             snapshot: worker.latest(),
             worker,
@@ -108,7 +108,6 @@ impl App {
             files: Files::new(cc.egui_ctx.clone()),
             path_dialog: None,
             help_open: false,
-            tab_pressed: false,
             viewport: cc.wgpu_render_state.clone().map(Viewport::new),
             view_rect: egui::Rect::ZERO,
             pivot: None,
@@ -160,11 +159,12 @@ impl App {
     /// Where the camera stands, once a scene is shown.
     pub fn camera(&self) -> Option<crate::render::Camera> {
         let control = self.camera.as_ref()?;
+        let aspect = f64::from(self.view_size_px[0]) / f64::from(self.view_size_px[1]);
         Some(crate::render::Camera {
             eye: control.pose().eye,
             forward: control.forward(),
             up: control.up(),
-            fov_y_deg: control.pose().fov_y_deg,
+            fov_y_deg: fitted_fov(control.pose().fov_y_deg, aspect),
         })
     }
 
@@ -178,7 +178,6 @@ impl App {
         }
         if news.bases {
             self.picture.relight(&self.edits.lighting);
-            self.picture.relight_reference();
             self.stale.light = true;
             self.stale.exposure = true;
         }
@@ -228,6 +227,10 @@ impl App {
                 self.path_dialog = Some(PathDialog::new(kind, suggestion));
             }
             FileNews::Saved(path) => {
+                if path.extension().is_some_and(|e| e == "toml") {
+                    // What the window wrote itself is no change to load.
+                    self.files.watch(self.scene_shown.as_ref().map(|scene| &scene.source));
+                }
                 let text = format!("Saved {}", path.display());
                 self.notice = Some(Notice { text, is_error: false, since: time });
             }
@@ -300,6 +303,7 @@ impl App {
             scene: prepared.map(|p| &*p.scene),
             mesh: prepared.map(|p| &*p.mesh),
             light: &self.picture.light,
+            light_version: self.picture.light_version,
             reflectance: &self.picture.reflectance,
             aspect: prepared.map_or(&[], |p| &p.aspect),
             edits: &self.edits,
@@ -347,7 +351,7 @@ impl eframe::App for App {
 
     fn ui(&mut self, ui: &mut egui::Ui, _frame: &mut eframe::Frame) {
         let mut out = Commands::new();
-        if std::mem::take(&mut self.tab_pressed) {
+        if input::take_tab(ui.ctx()) {
             out.push(super::command::Command::TogglePanels);
         }
         input::commands(ui.ctx(), &self.model(), self.help_open, &mut out);
@@ -368,24 +372,6 @@ impl eframe::App for App {
         }
     }
 
-    fn raw_input_hook(&mut self, ctx: &egui::Context, raw_input: &mut egui::RawInput) {
-        // Tab folds the panels unless the keyboard is among the widgets already: F6 takes it there.
-        if ctx.memory(|m| m.focused()).is_some() {
-            return;
-        }
-        raw_input.events.retain_mut(|event| match event {
-            egui::Event::Key { key: egui::Key::Tab, pressed, modifiers, .. } if modifiers.is_none() => {
-                self.tab_pressed |= *pressed;
-                false
-            }
-            egui::Event::Key { key, .. } if *key == egui::Key::F6 => {
-                *key = egui::Key::Tab;
-                true
-            }
-            _ => true,
-        });
-    }
-
     fn save(&mut self, storage: &mut dyn eframe::Storage) {
         eframe::set_value(storage, STORAGE_KEY, &self.state);
     }
@@ -393,6 +379,17 @@ impl eframe::App for App {
     fn clear_color(&self, _visuals: &egui::Visuals) -> [f32; 4] {
         theme::BACKDROP.to_normalized_gamma_f32()
     }
+}
+
+/// Narrowest view, width over height, that a field of view is meant for.
+const MEANT_ASPECT: f64 = 1.45;
+
+/// The vertical field of view, degrees, with which a narrower view keeps what a bookmark shows
+/// from left to right.
+fn fitted_fov(fov_y_deg: f64, aspect: f64) -> f64 {
+    let narrow = (MEANT_ASPECT / aspect.max(0.1)).max(1.0);
+    let half = (0.5 * fov_y_deg.to_radians()).tan() * narrow;
+    (2.0 * half.atan().to_degrees()).min(140.0)
 }
 
 fn scroll(ui: &mut egui::Ui, name: &str, contents: impl FnOnce(&mut egui::Ui)) {
@@ -408,4 +405,18 @@ fn resident_bytes() -> Option<u64> {
     let status = std::fs::read_to_string("/proc/self/status").ok()?;
     let line = status.lines().find_map(|line| line.strip_prefix("VmRSS:"))?;
     line.trim().strip_suffix("kB")?.trim().parse::<u64>().ok().map(|kb| kb * 1024)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::fitted_fov;
+
+    #[test]
+    fn a_narrow_view_keeps_the_width_and_a_wide_one_the_height() {
+        assert!((fitted_fov(50.0, 1.6) - 50.0).abs() < 1e-9);
+        let width = |fov: f64, aspect: f64| (0.5 * fov.to_radians()).tan() * aspect;
+        let narrow = fitted_fov(50.0, 1.0);
+        assert!((width(narrow, 1.0) - width(50.0, 1.45)).abs() < 1e-9, "{narrow}");
+        assert!(fitted_fov(110.0, 0.2) <= 140.0);
+    }
 }

@@ -69,6 +69,7 @@ impl App {
                 self.go_to(start);
             }
             Command::StoreView => self.store_view(),
+            Command::SaveSidecar => self.save_sidecar(),
             Command::SetMotion(motion) => {
                 self.state.motion = motion;
                 if let Some(camera) = &mut self.camera {
@@ -369,6 +370,14 @@ impl App {
             tone_map: self.edits.display.tone_map,
         };
         self.files.save(kind, path, job);
+    }
+
+    /// Writes what was edited beside the scene's file.
+    fn save_sidecar(&self) {
+        let Some(scene) = &self.scene_shown else { return };
+        let SceneSource::File(path) = &scene.source else { return };
+        let edits = self.edits.clone();
+        self.files.save_sidecar(path, Arc::clone(scene), edits, self.views.clone());
     }
 
     /// Tells the user something that went wrong.

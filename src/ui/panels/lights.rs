@@ -58,7 +58,7 @@ fn lamp_row(
             {
                 out.push(Command::SoloLamp(index));
             }
-            ui.spacing_mut().slider_width = 58.0;
+            ui.spacing_mut().slider_width = 46.0;
             let mut percent = state.dimmer * 100.0;
             let slider = Slider::new(&mut percent, 0.0..=100.0).show_value(false);
             let dimmer = ui.add_enabled(state.on, slider).accessible_name(format!("Dim {name}"));

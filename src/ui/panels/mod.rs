@@ -28,6 +28,8 @@ pub(super) struct Model<'a> {
     pub(super) mesh: Option<&'a PatchMesh>,
     /// Their light as the lamps stand.
     pub(super) light: &'a PatchLight,
+    /// Grows with every change of `light`.
+    pub(super) light_version: u64,
     /// Their reflectance as solved for.
     pub(super) reflectance: &'a [[f32; 3]],
     /// Longest extent squared over area, a patch each.
