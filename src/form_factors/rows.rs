@@ -3,7 +3,7 @@
 use super::closed_form::point_to_polygon;
 use super::{Fan, Hemicube, HemicubeSampler, LineSampler, Method, Occluders, RayScene, Row, RowBuffer};
 use crate::geometry::Frame;
-use crate::mesh::{PatchMesh, Side};
+use crate::mesh::{Patch, PatchMesh, Side};
 use glam::DVec3;
 use std::sync::Arc;
 
@@ -107,6 +107,9 @@ impl RowComputer {
     /// cross it.
     pub fn row(&self, patch: u32, scratch: &mut RowScratch) -> Row {
         let p = &self.mesh.patches[patch as usize];
+        if p.buried {
+            return Row::default();
+        }
         if !self.visibility {
             self.gather_unoccluded(p.centre, p.normal, scratch);
             return scratch.row.take();
@@ -137,22 +140,22 @@ impl RowComputer {
         if scratch.lines.in_penumbra(&self.occluders) {
             return true;
         }
+        let share = |lamp: &Patch, x: DVec3| {
+            let to_lamp = lamp.centre - x;
+            let cosines = p.normal.dot(to_lamp).max(0.0) * -lamp.normal.dot(to_lamp).min(0.0);
+            lamp.area * cosines / to_lamp.length_squared().powi(2).max(f64::MIN_POSITIVE)
+        };
+        let lamps = self.lamps.iter().map(|&l| &self.mesh.patches[l as usize]);
+        let shares: Vec<(f64, &Patch)> = lamps.map(|lamp| (share(lamp, p.centre), lamp)).collect();
+        let largest = shares.iter().map(|s| s.0).fold(0.0, f64::max);
         let corners: Vec<DVec3> = self
             .mesh
             .pieces_of(p)
             .flat_map(|piece| self.mesh.corners_of(piece))
             .map(|c| p.centre + (self.mesh.vertices[c.vertex as usize] - p.centre) * 0.9)
             .collect();
-        self.lamps.iter().any(|&lamp| {
-            let lamp = &self.mesh.patches[lamp as usize];
-            let faces = |x: DVec3| {
-                let to_lamp = lamp.centre - x;
-                p.normal.dot(to_lamp) > 0.0 && lamp.normal.dot(to_lamp) < 0.0
-            };
-            if !faces(p.centre) {
-                return false;
-            }
-            let mut seen = corners.iter().map(|&c| faces(c) && self.rays.visible(c, lamp.centre));
+        shares.iter().filter(|s| s.0 > 0.1 * largest).any(|(_, lamp)| {
+            let mut seen = corners.iter().map(|&c| share(lamp, c) > 0.0 && self.rays.visible(c, lamp.centre));
             let first = seen.next();
             seen.any(|s| Some(s) != first)
         })

@@ -168,6 +168,7 @@ pub(super) fn append(
         }),
         texture_average: average,
         emission_weight: if emits { outline.emission_weight } else { [0.0; 3] },
+        buried: false,
         radius,
     });
 }

@@ -265,6 +265,7 @@ pub(super) fn append(mesh: &mut PatchMesh, outline: &Outline, grid: &Grid, cuts:
         object: outline.object,
         bounds: outline.bounds,
         area: outline.area,
+        dark: [false; 2],
     });
 }
 

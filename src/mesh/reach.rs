@@ -5,7 +5,7 @@
 //! dark although it touches the floor.
 
 use super::regions::Outline;
-use super::types::Side;
+use super::types::{Patch, Side};
 use crate::geometry::{Bvh, Frame, Ray, polygon};
 use crate::scene::{Scene, Sides};
 use glam::{DVec2, DVec3};
@@ -18,51 +18,20 @@ const BOUNCES: u64 = 6;
 /// This many paths must find light: a single one may have slipped through the seam of two faces.
 const ENOUGH: u32 = 2;
 
-/// For every region whether its front and its back take part.
-pub(super) fn sides(scene: &Scene, outlines: &[Outline], size: f64) -> Vec<[bool; 2]> {
-    let mut triangles = Vec::new();
-    let mut normals = Vec::new();
-    for outline in outlines {
-        for part in &outline.parts {
-            for k in 1..part.corners.len() - 1 {
-                triangles
-                    .push([part.corners[0], part.corners[k], part.corners[k + 1]].map(|c| outline.world(c)));
-                normals.push(outline.frame.normal);
-            }
-        }
-    }
-    let lamps: Vec<(DVec3, DVec3)> = outlines
-        .iter()
-        .filter(|o| o.luminaire.is_some())
-        .flat_map(|o| {
-            let normal = o.frame.normal;
-            let backs = if o.emits_back { 2 } else { 1 };
-            let points: Vec<DVec3> = sample_points(o, 3).into_iter().map(|p| o.world(p)).collect();
-            [normal, -normal]
-                .into_iter()
-                .take(backs)
-                .flat_map(move |n| points.clone().into_iter().map(move |p| (p, n)))
-        })
-        .collect();
-    let search = Search { outlines, bvh: Bvh::build(&triangles), normals, lamps, offset: size * 1e-7 };
-    (0..outlines.len())
-        .into_par_iter()
-        .map(|index| {
-            let outline = &outlines[index];
-            let emits = outline.luminaire.is_some();
-            let lit = |side: Side| match scene.materials[outline.material as usize].sides {
-                Sides::Both => true,
-                Sides::Front => side == Side::Front,
-                // Without a lamp nothing is lit; every front is kept, so that there is something to see.
-                Sides::Auto if search.lamps.is_empty() => side == Side::Front,
-                Sides::Auto => search.is_lit(index as u64, side),
-            };
-            [emits || lit(Side::Front), (emits && outline.emits_back) || lit(Side::Back)]
-        })
-        .collect()
+/// How light and a side stand to each other.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Reach {
+    /// It takes part.
+    Lit,
+    /// Black by the material's own word; what is lit may see it.
+    Black,
+    /// No light reaches it, so nothing lit sees it.
+    Dark,
 }
 
-struct Search<'a> {
+/// Finds what light can reach in a scene.
+pub(super) struct Search<'a> {
+    scene: &'a Scene,
     outlines: &'a [Outline],
     bvh: Bvh,
     /// Front normal of each triangle.
@@ -72,18 +41,81 @@ struct Search<'a> {
     offset: f64,
 }
 
-impl Search<'_> {
-    fn is_lit(&self, region: u64, side: Side) -> bool {
-        let outline = &self.outlines[region as usize];
-        let starts: Vec<DVec3> = sample_points(outline, 12).into_iter().map(|p| outline.world(p)).collect();
-        if starts.is_empty() {
-            return false;
+impl<'a> Search<'a> {
+    pub(super) fn new(scene: &'a Scene, outlines: &'a [Outline], size: f64) -> Self {
+        let mut triangles = Vec::new();
+        let mut normals = Vec::new();
+        let mut lamps = Vec::new();
+        for outline in outlines {
+            let normal = outline.frame.normal;
+            for part in &outline.parts {
+                for k in 1..part.corners.len() - 1 {
+                    let triangle = [part.corners[0], part.corners[k], part.corners[k + 1]];
+                    triangles.push(triangle.map(|c| outline.world(c)));
+                    normals.push(normal);
+                }
+            }
+            if outline.luminaire.is_some() {
+                for point in sample_points(outline, 3) {
+                    lamps.push((outline.world(point), normal));
+                    if outline.emits_back {
+                        lamps.push((outline.world(point), -normal));
+                    }
+                }
+            }
         }
+        Self { scene, outlines, bvh: Bvh::build(&triangles), normals, lamps, offset: size * 1e-7 }
+    }
+
+    /// For every region how its front and its back stand to light.
+    pub(super) fn sides(&self) -> Vec<[Reach; 2]> {
+        (0..self.outlines.len())
+            .into_par_iter()
+            .map(|index| [Side::Front, Side::Back].map(|side| self.side(index, side)))
+            .collect()
+    }
+
+    fn side(&self, index: usize, side: Side) -> Reach {
+        let outline = &self.outlines[index];
+        let emits = outline.luminaire.is_some() && (side == Side::Front || outline.emits_back);
+        match self.scene.materials[outline.material as usize].sides {
+            _ if emits => Reach::Lit,
+            Sides::Both => Reach::Lit,
+            Sides::Front if side == Side::Front => Reach::Lit,
+            Sides::Front => Reach::Black,
+            // Without a lamp nothing is lit; every front is kept, so that there is something to see.
+            Sides::Auto if self.lamps.is_empty() && side == Side::Front => Reach::Lit,
+            Sides::Auto if self.lamps.is_empty() => Reach::Black,
+            Sides::Auto => {
+                let starts: Vec<DVec3> =
+                    sample_points(outline, 12).into_iter().map(|p| outline.world(p)).collect();
+                let seed = 2 * index as u64 + side as u64;
+                let lit = self.is_lit(&starts, outline.frame.normal * side.sign(), seed);
+                if lit { Reach::Lit } else { Reach::Dark }
+            }
+        }
+    }
+
+    /// Whether each patch lies under something, out of all light, although its side is lit elsewhere.
+    pub(super) fn buried(&self, patches: &[Patch]) -> Vec<bool> {
+        patches
+            .par_iter()
+            .enumerate()
+            .map(|(index, patch)| {
+                let auto = self.scene.materials[patch.material as usize].sides == Sides::Auto;
+                auto && patch.luminaire.is_none()
+                    && !self.lamps.is_empty()
+                    && !self.is_lit(&[patch.centre], patch.normal, (1 << 40) + index as u64)
+            })
+            .collect()
+    }
+
+    fn is_lit(&self, starts: &[DVec3], normal: DVec3, seed: u64) -> bool {
         let mut found = 0;
         for path in 0..PATHS {
-            let seed = (region * 2 + side as u64) * PATHS + path;
-            let start = starts[path as usize % starts.len()];
-            if self.path_finds_light(start, outline.frame.normal * side.sign(), seed) {
+            let Some(&start) = starts.get(path as usize % starts.len().max(1)) else { return false };
+            let seed = seed.wrapping_mul(PATHS) + path;
+            if self.path_finds_light(start, normal, seed) {
                 found += 1;
                 if found == ENOUGH {
                     return true;
@@ -96,7 +128,7 @@ impl Search<'_> {
     fn path_finds_light(&self, mut point: DVec3, mut normal: DVec3, seed: u64) -> bool {
         for bounce in 0..BOUNCES {
             point += normal * self.offset;
-            let key = seed * BOUNCES + bounce;
+            let key = seed.wrapping_mul(BOUNCES) + bounce;
             let lamp = (unit(key, 0) * self.lamps.len() as f64) as usize;
             let (at, towards) = self.lamps[lamp.min(self.lamps.len() - 1)];
             let at = at + towards * self.offset;
@@ -123,7 +155,7 @@ impl Search<'_> {
 
 /// A number in 0..1 for a key and a dimension (the finaliser of SplitMix64, Steele et al. 2014).
 fn unit(key: u64, dimension: u64) -> f64 {
-    let mut z = (key * 3 + dimension + 1).wrapping_mul(0x9E37_79B9_7F4A_7C15);
+    let mut z = (key.wrapping_mul(3).wrapping_add(dimension + 1)).wrapping_mul(0x9E37_79B9_7F4A_7C15);
     z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
     z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
     ((z ^ (z >> 31)) >> 11) as f64 / (1_u64 << 53) as f64

@@ -14,7 +14,7 @@ const LAMP_RADIANCE: [f64; 3] = [20.79, 10.85, 2.77];
 const LAMP_REFLECTANCE: [f64; 3] = [0.78; 3];
 
 pub(crate) fn model() -> Model {
-    let mut m = Model::new(("mm", 1e-3), 0.0222);
+    let mut m = Model::new(("mm", 1e-3), 0.03);
     m.view("Front", [278.0, 273.0, -800.0], [278.0, 273.0, 0.0], 39.3077);
     m.view("Inside", [300.0, 300.0, 20.0], [270.0, 200.0, 559.0], 75.0);
     let lamp = m.lamp("Ceiling lamp", Output::Radiance(LAMP_RADIANCE), true);

@@ -5,21 +5,21 @@ use super::writer::{LampId, Model, Output, Paint};
 use glam::{DVec3, dvec3};
 use std::f64::consts::PI;
 
-const STONE: Paint = Paint::new("limestone", [0.70, 0.64, 0.54]);
-const WALL: Paint = Paint::new("lime_plaster", [0.78, 0.75, 0.70]).front();
-const END_WALL: Paint = Paint::new("pompeian_red", [0.46, 0.12, 0.08]).front();
-const VAULT: Paint = Paint::new("vault_plaster", [0.80, 0.79, 0.76]).front();
-const FLOOR: Paint = Paint::new("terrazzo", [0.44, 0.40, 0.36]).front();
-const INLAY: Paint = Paint::new("dark_marble", [0.13, 0.14, 0.14]).front();
-const PLINTH: Paint = Paint::new("plinth_white", [0.80, 0.80, 0.79]);
-const MARBLE: Paint = Paint::new("marble", [0.82, 0.81, 0.78]);
-const BRONZE: Paint = Paint::new("bronze", [0.33, 0.19, 0.08]);
-const VERDIGRIS: Paint = Paint::new("verdigris", [0.14, 0.40, 0.34]);
-const OCHRE: Paint = Paint::new("ochre", [0.66, 0.42, 0.10]);
-const ULTRAMARINE: Paint = Paint::new("ultramarine", [0.07, 0.11, 0.45]);
-const CANVAS: Paint = Paint::new("canvas", [0.74, 0.70, 0.60]);
-const FRAME: Paint = Paint::new("black_frame", [0.05, 0.045, 0.04]);
-const BENCH: Paint = Paint::new("oak", [0.42, 0.27, 0.15]);
+const STONE: Paint = Paint::solid("limestone", [0.70, 0.64, 0.54]);
+const WALL: Paint = Paint::solid("lime_plaster", [0.78, 0.75, 0.70]);
+const END_WALL: Paint = Paint::solid("pompeian_red", [0.46, 0.12, 0.08]);
+const VAULT: Paint = Paint::solid("vault_plaster", [0.80, 0.79, 0.76]);
+const FLOOR: Paint = Paint::solid("terrazzo", [0.44, 0.40, 0.36]);
+const INLAY: Paint = Paint::solid("dark_marble", [0.13, 0.14, 0.14]);
+const PLINTH: Paint = Paint::solid("plinth_white", [0.80, 0.80, 0.79]);
+const MARBLE: Paint = Paint::solid("marble", [0.82, 0.81, 0.78]);
+const BRONZE: Paint = Paint::solid("bronze", [0.33, 0.19, 0.08]);
+const VERDIGRIS: Paint = Paint::solid("verdigris", [0.14, 0.40, 0.34]);
+const OCHRE: Paint = Paint::solid("ochre", [0.66, 0.42, 0.10]);
+const ULTRAMARINE: Paint = Paint::solid("ultramarine", [0.07, 0.11, 0.45]);
+const CANVAS: Paint = Paint::solid("canvas", [0.74, 0.70, 0.60]);
+const FRAME: Paint = Paint::solid("black_frame", [0.05, 0.045, 0.04]);
+const BENCH: Paint = Paint::solid("oak", [0.42, 0.27, 0.15]);
 
 /// Half the clear width of the nave, of the whole hall, and half the hall's length, metres.
 const NAVE: f64 = 1.9;
@@ -32,15 +32,15 @@ const AISLE_CEILING: f64 = 3.0;
 /// Width of the architrave, metres: from the nave's edge outwards.
 const BEAM: f64 = 0.36;
 /// Facets of the half circle of the vault.
-const FACETS: usize = 20;
+const FACETS: usize = 24;
 /// Column axes along the hall, metres.
-const COLUMNS: [f64; 5] = [-5.0, -2.5, 0.0, 2.5, 5.0];
+const COLUMNS: [f64; 4] = [-4.8, -1.6, 1.6, 4.8];
 
 pub(crate) fn model() -> Model {
-    let mut m = Model::new(("m", 1.0), 0.29);
+    let mut m = Model::new(("m", 1.0), 0.42);
     m.view("Nave", [0.35, 1.6, 6.1], [-0.1, 1.85, -2.0], 62.0);
     m.view("Colonnade", [-2.75, 1.6, 5.9], [-1.2, 1.35, -1.2], 62.0);
-    m.view("Torso", [1.25, 1.5, 1.6], [-0.25, 1.3, -1.4], 60.0);
+    m.view("Torso", [1.55, 1.5, 0.3], [-0.55, 1.35, -1.7], 60.0);
     m.view("Vault", [0.0, 1.5, 4.6], [0.0, 3.7, -2.5], 72.0);
     m.view("East aisle", [2.75, 1.6, -5.9], [2.5, 1.4, 0.5], 60.0);
 
@@ -89,7 +89,7 @@ fn shell(m: &mut Model) {
     let (near, far) = (DVec3::Z * LENGTH, -DVec3::Z * LENGTH);
     for k in 0..FACETS {
         let ((p, n), (q, o)) = (arc(k), arc(k + 1));
-        m.smooth_polygon(&[(p + near, n), (p + far, n), (q + far, o), (q + near, o)]);
+        m.smooth_polygon(&[(p + far, n), (p + near, n), (q + near, o), (q + far, o)]);
     }
 
     // The end walls follow the section: aisles, beams' ends, nave and lunette.
@@ -121,17 +121,8 @@ fn colonnades(m: &mut Model) {
             m.object("columns").paint(&STONE);
             m.place([x, 0.0, z], 0.0, |m| {
                 m.block([-0.2, 0.0, -0.2], [0.2, 0.12, 0.2], Faces::STANDING);
-                let shaft = [
-                    (0.175, 0.12),
-                    (0.175, 0.19),
-                    (0.15, 0.23),
-                    (0.148, 0.9),
-                    (0.14, 1.7),
-                    (0.128, 2.48),
-                    (0.17, 2.57),
-                    (0.17, 2.63),
-                ];
-                m.lathe(DVec3::ZERO, &shaft, 20);
+                let shaft = [(0.172, 0.12), (0.148, 0.2), (0.141, 1.35), (0.128, 2.5), (0.172, 2.63)];
+                m.lathe(DVec3::ZERO, &shaft, 16);
                 m.block([-0.19, 2.63, -0.19], [0.19, ARCHITRAVE, 0.19], Faces::HANGING);
             });
         }
@@ -243,7 +234,7 @@ fn twisted(m: &mut Model, half: f64, height: f64, steps: usize, turn_deg: f64) {
 
 /// Framed abstract pictures on the aisle walls, two centimetres in front of them.
 fn pictures(m: &mut Model) {
-    let bays = [-3.75, -1.25, 1.25, 3.75];
+    let bays = [-3.2, 0.0, 3.2];
     for (k, z) in bays.into_iter().enumerate() {
         m.place([-HALL, 1.55, z], 90.0, |m| picture(m, 1.2, 0.9, k));
         m.place([HALL, 1.55, z], -90.0, |m| picture(m, 0.9, 1.15, k + 4));
@@ -292,7 +283,7 @@ fn picture(m: &mut Model, width: f64, height: f64, kind: usize) {
 
 fn lamps(m: &mut Model) {
     // Coves on the nave side of the beams wash the vault from hidden strips.
-    let cove = m.lamp("Vault coves", Output::White(9000.0, 3800.0), true);
+    let cove = m.lamp("Vault coves", Output::White(9000.0, 4500.0), true);
     for side in [-1.0, 1.0] {
         let inner = side * (NAVE - 0.16);
         m.object("coves").paint(&STONE);
@@ -318,15 +309,15 @@ fn lamps(m: &mut Model) {
         });
     };
     let aisle = 0.5 * (NAVE + BEAM + HALL) + 0.12;
-    let west = m.lamp("West picture spots", Output::White(2600.0, 3600.0), true);
-    let east = m.lamp("East picture spots", Output::White(2600.0, 3600.0), true);
-    for z in [-3.75, -1.25, 1.25, 3.75] {
+    let west = m.lamp("West picture spots", Output::White(3000.0, 4500.0), true);
+    let east = m.lamp("East picture spots", Output::White(3000.0, 4500.0), true);
+    for z in [-3.2, 0.0, 3.2] {
         spot(m, west, -aisle, z, AISLE_CEILING);
         spot(m, east, aisle, z, AISLE_CEILING);
     }
 
     // Pendant discs under the vault, over the works.
-    let pendants = m.lamp("Nave pendants", Output::White(5200.0, 4200.0), true);
+    let pendants = m.lamp("Nave pendants", Output::White(5200.0, 5000.0), true);
     for z in [-4.2, -1.25, 1.6] {
         m.place([0.0, 2.95, z], 0.0, |m| {
             m.object("pendant_bodies").paint(&FRAME);

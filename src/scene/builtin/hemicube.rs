@@ -4,10 +4,10 @@ use super::shapes::Faces;
 use super::writer::{Model, Output, Paint};
 use glam::{DVec3, dvec3};
 
-const WHITE: Paint = Paint::new("white", [0.75, 0.75, 0.74]).front();
-const RED: Paint = Paint::new("red", [0.63, 0.06, 0.05]).front();
-const BLUE: Paint = Paint::new("blue", [0.10, 0.16, 0.60]).front();
-const YELLOW: Paint = Paint::new("yellow", [0.75, 0.60, 0.10]).front();
+const WHITE: Paint = Paint::solid("white", [0.75, 0.75, 0.74]);
+const RED: Paint = Paint::solid("red", [0.63, 0.06, 0.05]);
+const BLUE: Paint = Paint::solid("blue", [0.10, 0.16, 0.60]);
+const YELLOW: Paint = Paint::solid("yellow", [0.75, 0.60, 0.10]);
 
 /// Clear width (x), height (y) and depth (z), metres.
 const ROOM: DVec3 = dvec3(3.2, 2.6, 4.0);
@@ -16,8 +16,8 @@ const ROOM: DVec3 = dvec3(3.2, 2.6, 4.0);
 const LAMP: [f64; 4] = [1.1, 2.1, 1.2, 2.2];
 
 pub(crate) fn model() -> Model {
-    let mut m = Model::new(("m", 1.0), 0.172);
-    m.view("Room", [1.6, 1.32, 3.94], [1.6, 1.12, 0.0], 52.0);
+    let mut m = Model::new(("m", 1.0), 0.18);
+    m.view("Room", [1.6, 1.36, 3.95], [1.6, 1.3, 0.0], 60.0);
     m.view("Red wall", [2.75, 1.5, 3.4], [0.6, 0.55, 1.0], 55.0);
     m.view("Blue wall", [0.35, 1.5, 3.6], [2.6, 0.6, 1.6], 55.0);
     let lamp = m.lamp("Ceiling lamp", Output::Coloured(4200.0, [1.0, 0.93, 0.82]), true);
@@ -37,12 +37,12 @@ pub(crate) fn model() -> Model {
     m.object("blue_wall").paint(&BLUE).wall(dvec3(x, 0.0, 0.0), DVec3::Z, z, y, &[]);
 
     m.object("white_box").paint(&WHITE);
-    m.place([0.92, 0.0, 1.2], 19.0, |m| {
+    m.place([0.92, 0.0, 1.15], 19.0, |m| {
         m.block([-0.4, 0.0, -0.4], [0.4, 1.5, 0.4], Faces::STANDING);
     });
     m.object("yellow_box").paint(&YELLOW);
-    m.place([2.2, 0.0, 2.15], -21.0, |m| {
-        m.block([-0.39, 0.0, -0.39], [0.39, 0.78, 0.39], Faces::STANDING);
+    m.place([2.2, 0.0, 1.95], -21.0, |m| {
+        m.block([-0.36, 0.0, -0.36], [0.36, 0.72, 0.36], Faces::STANDING);
     });
     m
 }

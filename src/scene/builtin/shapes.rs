@@ -66,8 +66,10 @@ impl Model {
         (v, height): (DVec3, f64),
         holes: &[Hole],
     ) {
-        for [u0, u1, v0, v1] in around_holes(width, height, holes) {
-            self.quad(origin + u * u0 + v * v0, u * (u1 - u0), v * (v1 - v0));
+        let strips = around_holes(width, height, holes);
+        for strip in &strips {
+            let corners: Vec<_> = conforming(strip, &strips).map(|[s, t]| origin + u * s + v * t).collect();
+            self.polygon(&corners);
         }
     }
 
@@ -113,7 +115,7 @@ impl Model {
         self.polygon(&floor);
     }
 
-    /// A block without a bottom whose upper edges are bevelled: cushions, mattresses, worn stone.
+    /// A block without a bottom whose upper edges are bevelled: cushions and mattresses.
     pub(crate) fn cushion(&mut self, min: [f64; 3], max: [f64; 3], bevel: f64) {
         let (a, b) = (DVec3::from(min), DVec3::from(max));
         let low = rectangle([a.x, a.z], [b.x, b.z], a.y);
@@ -214,6 +216,23 @@ fn spoke(k: usize, sides: usize) -> DVec3 {
 /// Corners at height y, counter-clockwise as seen from above.
 fn rectangle(min: [f64; 2], max: [f64; 2], y: f64) -> [DVec3; 4] {
     [dvec3(min[0], y, max[1]), dvec3(max[0], y, max[1]), dvec3(max[0], y, min[1]), dvec3(min[0], y, min[1])]
+}
+
+/// Corners of a rectangle, and between them those of others that lie on its upright sides: the
+/// neighbours then share whole edges.
+fn conforming(rectangle: &Hole, others: &[Hole]) -> impl Iterator<Item = [f64; 2]> {
+    let [u0, u1, v0, v1] = *rectangle;
+    let stops = |u: f64| {
+        let beside = others.iter().filter(move |o| [o[0], o[1]].iter().any(|e| (e - u).abs() < 1e-9));
+        let mut stops: Vec<f64> =
+            beside.flat_map(|o| [o[2], o[3]]).filter(|v| *v > v0 + 1e-9 && *v < v1 - 1e-9).collect();
+        stops.sort_by(f64::total_cmp);
+        stops.dedup_by(|a, b| (*a - *b).abs() < 1e-9);
+        stops
+    };
+    let right = stops(u1).into_iter().map(move |v| [u1, v]);
+    let left = stops(u0).into_iter().rev().map(move |v| [u0, v]);
+    [[u0, v0], [u1, v0]].into_iter().chain(right).chain([[u1, v1], [u0, v1]]).chain(left)
 }
 
 /// The rectangle `width` x `height` less some openings, as rectangles u0, u1, v0, v1.

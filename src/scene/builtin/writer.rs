@@ -1,7 +1,7 @@
 //! Collects polygons, materials, lamps and views, and writes them as OBJ, MTL and TOML.
 
 use super::BuiltinSource;
-use crate::scene::{LUMINOUS_EFFICACY, Sides, luminance_weighted};
+use crate::scene::{LUMINOUS_EFFICACY, Sides, black_body, luminance_weighted};
 use glam::DVec3;
 use std::collections::HashMap;
 use std::f64::consts::PI;
@@ -19,14 +19,14 @@ pub(crate) struct Paint {
 }
 
 impl Paint {
-    /// A material whose lit sides the reader finds.
-    pub(crate) const fn new(name: &'static str, reflectance: [f64; 3]) -> Self {
-        Self { name, reflectance, sides: Sides::Auto }
+    /// A material of solid things and linings: nothing ever sees its back.
+    pub(crate) const fn solid(name: &'static str, reflectance: [f64; 3]) -> Self {
+        Self { name, reflectance, sides: Sides::Front }
     }
 
-    /// The same with its front side alone taking part: linings of rooms.
-    pub(crate) const fn front(self) -> Self {
-        Self { sides: Sides::Front, ..self }
+    /// A material of thin sheets, lit on both sides.
+    pub(crate) const fn sheet(name: &'static str, reflectance: [f64; 3]) -> Self {
+        Self { name, reflectance, sides: Sides::Both }
     }
 }
 
@@ -126,8 +126,9 @@ pub(crate) struct Model {
     patch_size: f64,
 }
 
-/// Coordinates are kept to this part of a unit, so that equal corners are equal in the text.
-const QUANTUM: f64 = 1e-5;
+/// Coordinates are kept to this part of a unit, so that equal corners are equal in the text, and
+/// facets of curved surfaces stay flat.
+const QUANTUM: f64 = 1e-9;
 
 impl Model {
     /// An empty scene: the symbol of its unit, metres in one unit, longest patch edge in metres.
@@ -197,7 +198,7 @@ impl Model {
             let parts = self.materials.iter().filter(|m| m.glow.is_some_and(|g| g.0 == lamp)).count();
             let name = if parts == 0 { format!("glow_{stem}") } else { format!("glow_{stem}_{}", parts + 1) };
             let glow = Some((lamp, weight));
-            self.materials.push(Material { name, reflectance, sides: Sides::Auto, glow, area: 0.0 });
+            self.materials.push(Material { name, reflectance, sides: Sides::Front, glow, area: 0.0 });
             self.materials.len() - 1
         });
         self
@@ -244,7 +245,7 @@ impl Model {
     fn radiance(&self, lamp: LampId, weight: f64) -> [f64; 3] {
         let (lumens, colour) = match self.lamps[lamp.0].output {
             Output::Radiance(radiance) => return radiance.map(|l| l * weight),
-            Output::White(lumens, kelvin) => (lumens, planckian(kelvin)),
+            Output::White(lumens, kelvin) => (lumens, black_body(kelvin)),
             Output::Coloured(lumens, colour) => (lumens, colour),
         };
         let of_lamp = self.materials.iter().filter_map(|m| m.glow.map(|g| (g, m.area)));
@@ -360,38 +361,13 @@ fn line(out: &mut String, text: std::fmt::Arguments<'_>) {
     out.push('\n');
 }
 
-/// Five decimals at most, without trailing zeros.
+/// Nine decimals at most, without trailing zeros.
 fn number(value: f64) -> String {
-    let text = format!("{value:.5}");
+    let text = format!("{value:.9}");
     let text = text.trim_end_matches('0').trim_end_matches('.');
     if text == "-0" { "0".to_owned() } else { text.to_owned() }
 }
 
 fn triple(v: DVec3, separator: &str) -> String {
     v.to_array().map(number).join(separator)
-}
-
-/// Linear Rec. 709 colour of a black body (Kim et al. 2002, cubic fit of the Planckian locus),
-/// 1667 K to 25,000 K, clipped to the gamut.
-fn planckian(kelvin: f64) -> [f64; 3] {
-    let t = 1e3 / kelvin;
-    let x = if kelvin <= 4000.0 {
-        ((-0.2661239 * t - 0.2343589) * t + 0.8776956) * t + 0.179910
-    } else {
-        ((-3.0258469 * t + 2.1070379) * t + 0.2226347) * t + 0.240390
-    };
-    let y = if kelvin <= 2222.0 {
-        ((-1.1063814 * x - 1.34811020) * x + 2.18555832) * x - 0.20219683
-    } else if kelvin <= 4000.0 {
-        ((-0.9549476 * x - 1.37418593) * x + 2.09137015) * x - 0.16748867
-    } else {
-        ((3.0817580 * x - 5.87338670) * x + 3.75112997) * x - 0.37001483
-    };
-    let (cx, cz) = (x / y, (1.0 - x - y) / y);
-    let rgb = [
-        3.2404542 * cx - 1.5371385 - 0.4985314 * cz,
-        -0.9692660 * cx + 1.8760108 + 0.0415560 * cz,
-        0.0556434 * cx - 0.2040259 + 1.0572252 * cz,
-    ];
-    rgb.map(|c: f64| c.max(0.0))
 }

@@ -1,22 +1,21 @@
 //! The bathroom.
 
-use super::furniture::{cabinet, plant, rug};
+use super::furniture::{cabinet, plant};
 use super::lamps::{downlight, wall_tube};
-use super::palette::{BRASS, CERAMIC, CREAM, DARK_FRAME, LINEN, OAK, RUST, STEEL};
+use super::palette::{BRASS, CERAMIC, DARK_FRAME, LINEN, OAK, RUST, STEEL};
 use super::shell::HEIGHT;
 use crate::scene::builtin::shapes::Faces;
 use crate::scene::builtin::writer::{Model, Output};
 use glam::{DVec3, dvec3};
 
 pub(crate) fn bathroom(m: &mut Model) {
-    let downlights = m.lamp("Bathroom downlights", Output::White(1000.0, 4000.0), true);
-    let tube = m.lamp("Bathroom mirror light", Output::White(700.0, 4500.0), true);
+    let downlights = m.lamp("Bathroom downlights", Output::White(1700.0, 5000.0), true);
+    let tube = m.lamp("Bathroom mirror light", Output::White(900.0, 6500.0), true);
     for [x, z] in [[7.9, 0.95], [7.9, 2.2]] {
         m.place([x, HEIGHT, z], 0.0, |m| downlight(m, downlights));
     }
     tub(m);
-    m.place([8.98, 0.0, 0.4], 0.0, |m| plant(m, 0.95, 16, 41));
-    m.place([7.95, 0.0, 1.15], 0.0, |m| rug(m, [0.95, 0.6], 0.05, &CREAM, &RUST));
+    m.place([8.98, 0.0, 0.4], 0.0, |m| plant(m, 0.95, 14, 41));
 
     let east = 9.24;
     m.place([east, 0.0, 1.85], -90.0, |m| {
@@ -44,10 +43,10 @@ pub(crate) fn bathroom(m: &mut Model) {
     // Towels over a rail on the south wall, beside the door.
     m.place([8.72, 0.0, 3.2], 180.0, |m| {
         m.object("towel_rail").paint(&STEEL);
-        for y in [1.0, 1.45] {
+        for y in [0.98, 1.45] {
             m.block([-0.36, y, 0.07], [0.36, y + 0.02, 0.09], Faces::ALL);
         }
-        for (x0, x1, y, paint) in [(-0.3, 0.05, 1.45, &RUST), (-0.05, 0.3, 1.0, &LINEN)] {
+        for (x0, x1, y, paint) in [(-0.3, 0.05, 1.45, &RUST), (-0.05, 0.3, 0.98, &LINEN)] {
             m.object("towels").paint(paint);
             m.block([x0, y - 0.42, 0.095], [x1, y + 0.035, 0.115], Faces::ALL);
         }
@@ -71,7 +70,7 @@ fn tub(m: &mut Model) {
 fn toilet(m: &mut Model) {
     m.object("toilet").paint(&CERAMIC);
     m.block([-0.19, 0.38, 0.0], [0.19, 0.8, 0.16], Faces::ALL.without(Faces::BACK));
-    m.block([-0.12, 0.0, 0.0], [0.12, 0.38, 0.2], Faces::UPRIGHT.without(Faces::BACK).and(Faces::TOP));
+    m.block([-0.12, 0.0, 0.0], [0.12, 0.38, 0.16], Faces::UPRIGHT.without(Faces::BACK));
     m.lathe(dvec3(0.0, 0.0, 0.41), &[(0.13, 0.0), (0.13, 0.12), (0.2, 0.36), (0.2, 0.41)], 14);
     m.disc(dvec3(0.0, 0.41, 0.41), 0.2, 14, true);
 }

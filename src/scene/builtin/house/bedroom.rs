@@ -1,16 +1,16 @@
 //! The bedroom.
 
-use super::furniture::{bed, book_stack, cabinet, picture, plant, rug, vase};
+use super::furniture::{bed, book_stack, cabinet, picture, plant, vase};
 use super::lamps::{ceiling_disc, table_lamp};
-use super::palette::{BLUE_WOOL, BRASS, CERAMIC, CREAM, DARK_FRAME, JOINERY, MUSTARD, OAK, RUST, WALNUT};
+use super::palette::{BLUE_WOOL, BRASS, CERAMIC, DARK_FRAME, JOINERY, MUSTARD, OAK, WALNUT};
 use super::shell::HEIGHT;
 use super::textiles::curtains;
 use crate::scene::builtin::writer::{Model, Output, Paint};
 
 pub(crate) fn bedroom(m: &mut Model) {
-    let left = m.lamp("Bedside lamp left", Output::White(420.0, 2700.0), true);
-    let right = m.lamp("Bedside lamp right", Output::White(420.0, 2700.0), true);
-    let ceiling = m.lamp("Bedroom ceiling lamp", Output::White(1600.0, 3500.0), false);
+    let left = m.lamp("Bedside lamp left", Output::White(750.0, 3200.0), true);
+    let right = m.lamp("Bedside lamp right", Output::White(750.0, 3200.0), true);
+    let ceiling = m.lamp("Bedroom ceiling lamp", Output::White(1800.0, 4500.0), false);
     m.place([4.9, HEIGHT, 1.6], 0.0, |m| ceiling_disc(m, ceiling, 0.24));
 
     let east = 6.92;
@@ -23,7 +23,6 @@ pub(crate) fn bedroom(m: &mut Model) {
             m.place([0.0, 0.48, 0.16], 0.0, |m| table_lamp(m, lamp, &CERAMIC));
         });
     }
-    m.place([4.4, 0.0, 1.6], 0.0, |m| rug(m, [0.8, 2.0], 0.06, &CREAM, &RUST));
     m.place([3.32, 0.0, 1.15], 90.0, |m| {
         m.object("wardrobe");
         cabinet(m, [2.0, 2.2, 0.58], 4, &JOINERY, &JOINERY);
@@ -39,4 +38,4 @@ pub(crate) fn bedroom(m: &mut Model) {
     m.place([4.2, 0.0, 0.0], 0.0, |m| curtains(m, 1.8, 0.03, 2.32, 0.42));
 }
 
-const MUSTARD_GLAZE: Paint = Paint::new("mustard_glaze", MUSTARD.reflectance);
+const MUSTARD_GLAZE: Paint = Paint::solid("mustard_glaze", MUSTARD.reflectance);

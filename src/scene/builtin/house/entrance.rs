@@ -1,21 +1,18 @@
 //! The entrance hall.
 
-use super::furniture::{bowl, cabinet, picture, plant, rug, table, vase};
+use super::furniture::{bowl, cabinet, picture, plant, table, vase};
 use super::lamps::downlight;
-use super::palette::{
-    BLUE_WOOL, BRASS, CERAMIC, CHARCOAL, CREAM, DARK_FRAME, MIRROR, MUSTARD, OAK, RUST, SAGE_FRONT, WALNUT,
-};
+use super::palette::{BRASS, CERAMIC, CHARCOAL, DARK_FRAME, MIRROR, MUSTARD, OAK, RUST, SAGE_FRONT, WALNUT};
 use super::shell::HEIGHT;
 use crate::scene::builtin::shapes::Faces;
 use crate::scene::builtin::writer::{Model, Output, Paint};
 use glam::{DVec3, dvec3};
 
 pub(crate) fn hall(m: &mut Model) {
-    let lights = m.lamp("Entrance downlights", Output::White(1300.0, 3400.0), true);
+    let lights = m.lamp("Entrance downlights", Output::White(2100.0, 4300.0), true);
     for z in [0.8, 2.2, 3.6] {
         m.place([10.5, HEIGHT, z], 0.0, |m| downlight(m, lights));
     }
-    m.place([10.3, 0.0, 2.1], 0.0, |m| rug(m, [0.95, 2.7], 0.08, &BLUE_WOOL, &CREAM));
     // The focal wall opposite the front door.
     m.place([10.75, 0.0, 4.21], 0.0, |m| {
         m.object("hall_console");
@@ -25,7 +22,7 @@ pub(crate) fn hall(m: &mut Model) {
     });
     m.place([10.75, 1.6, 4.4], 180.0, |m| mirror(m, [0.8, 1.0], &BRASS));
     m.place([9.36, 1.55, 1.9], 90.0, |m| picture(m, [0.9, 0.65], &OAK, 2));
-    m.place([9.68, 0.0, 2.95], 0.0, |m| plant(m, 1.15, 20, 21));
+    m.place([9.68, 0.0, 2.95], 0.0, |m| plant(m, 1.15, 15, 21));
 
     m.place([11.6, 0.0, 1.2], -90.0, |m| {
         m.object("hall_bench");
@@ -33,7 +30,7 @@ pub(crate) fn hall(m: &mut Model) {
         m.paint(&MUSTARD).cushion([-0.62, 0.46, 0.03], [0.1, 0.51, 0.36], 0.02);
         m.object("coat_rack").paint(&OAK);
         m.block([-0.65, 1.62, 0.0], [0.65, 1.74, 0.02], Faces::ALL.without(Faces::BACK));
-        for (x, paint) in [(-0.45, &CHARCOAL), (-0.12, &RUST), (0.28, &SAGE_FRONT)] {
+        for (x, paint) in [(-0.46, &CHARCOAL), (-0.08, &RUST), (0.34, &SAGE_FRONT)] {
             m.object("coat_rack").paint(&DARK_FRAME);
             m.block([x - 0.012, 1.66, 0.02], [x + 0.012, 1.685, 0.1], Faces::ALL.without(Faces::BACK));
             coat(m, x, paint);

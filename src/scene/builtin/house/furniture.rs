@@ -89,14 +89,14 @@ pub(crate) fn bookshelf(m: &mut Model, [w, h, d]: [f64; 3], rows: usize, paint: 
         m.block([left, 0.0, 0.0], [left + board, h, d], Faces::STANDING.without(Faces::BACK));
     }
     let (inner, pitch) = (x - board, (h - board) / rows as f64);
-    m.wall(dvec3(-inner, 0.0, 0.01), DVec3::X, 2.0 * inner, h, &[]);
+    m.wall(dvec3(-inner, board, 0.01), DVec3::X, 2.0 * inner, h - 2.0 * board, &[]);
     let level = Faces::TOP.and(Faces::BOTTOM).and(Faces::FRONT);
     let mut random = Random(seed);
     for row in 0..=rows {
         let y = pitch * row as f64;
         m.object("shelves").paint(paint);
         m.block(
-            [-inner, y, 0.01],
+            [-inner, y, if row == rows { 0.0 } else { 0.01 }],
             [inner, y + board, d],
             if row == 0 { Faces::TOP.and(Faces::FRONT) } else { level },
         );
@@ -123,8 +123,8 @@ pub(crate) fn books(m: &mut Model, origin: [f64; 3], run: f64, tallest: f64, ran
             m.wall(dvec3(x, to, front), -DVec3::Z, front - back, from - to, &[]);
         }
     };
-    while x < start + run - 0.06 {
-        let thickness = (0.035 + 0.035 * random.next()).min(start + run - x);
+    while x < start + run - 0.08 {
+        let thickness = (0.05 + 0.05 * random.next()).min(start + run - x);
         let next = tallest * (0.68 + 0.32 * random.next());
         m.paint(spines[(random.next() * spines.len() as f64) as usize]);
         side(m, x, y + height, y + next);
@@ -151,8 +151,8 @@ impl Random {
 pub(crate) fn plant(m: &mut Model, height: f64, leaves: usize, seed: u32) {
     let (pot, rim) = (0.26 * height.min(1.2), 0.14 * height.min(1.2));
     m.object("plants").paint(&POT);
-    m.lathe(DVec3::ZERO, &[(0.7 * rim, 0.0), (rim, pot)], 12);
-    m.paint(&SOIL).disc(dvec3(0.0, pot, 0.0), rim, 12, true);
+    m.lathe(DVec3::ZERO, &[(0.7 * rim, 0.0), (rim, pot)], 10);
+    m.paint(&SOIL).disc(dvec3(0.0, pot, 0.0), rim, 10, true);
     m.paint(&LEAF);
     let mut random = Random(seed);
     for k in 0..leaves {
@@ -207,19 +207,19 @@ pub(crate) fn picture(m: &mut Model, [w, h]: [f64; 2], frame: &Paint, kind: usiz
 
 /// A vase or bowl on y = 0.
 pub(crate) fn vase(m: &mut Model, paint: &Paint, scale: f64) {
-    let profile = [(0.05, 0.0), (0.09, 0.07), (0.095, 0.13), (0.05, 0.22), (0.035, 0.27), (0.05, 0.3)];
+    let profile = [(0.05, 0.0), (0.095, 0.1), (0.05, 0.22), (0.035, 0.27), (0.05, 0.3)];
     let profile = profile.map(|(r, y)| (r * scale, y * scale));
-    m.object("vases").paint(paint).lathe(DVec3::ZERO, &profile, 12);
-    m.paint(&SOIL).disc(dvec3(0.0, 0.29 * scale, 0.0), 0.043 * scale, 12, true);
+    m.object("vases").paint(paint).lathe(DVec3::ZERO, &profile, 10);
+    m.paint(&SOIL).disc(dvec3(0.0, 0.3 * scale, 0.0), 0.05 * scale, 10, true);
 }
 
 /// A shallow bowl on y = 0, seen into from above.
 pub(crate) fn bowl(m: &mut Model, paint: &Paint, radius: f64) {
     m.object("bowls").paint(paint);
-    m.lathe(DVec3::ZERO, &[(0.45 * radius, 0.0), (radius, 0.4 * radius)], 12);
-    m.lathe(DVec3::ZERO, &[(0.94 * radius, 0.4 * radius), (0.4 * radius, 0.06 * radius)], 12);
-    m.lathe(DVec3::ZERO, &[(radius, 0.4 * radius), (0.94 * radius, 0.4 * radius)], 12);
-    m.disc(dvec3(0.0, 0.06 * radius, 0.0), 0.4 * radius, 12, true);
+    m.lathe(DVec3::ZERO, &[(0.45 * radius, 0.0), (radius, 0.4 * radius)], 10);
+    m.lathe(DVec3::ZERO, &[(0.94 * radius, 0.4 * radius), (0.4 * radius, 0.06 * radius)], 10);
+    m.lathe(DVec3::ZERO, &[(radius, 0.4 * radius), (0.94 * radius, 0.4 * radius)], 10);
+    m.disc(dvec3(0.0, 0.06 * radius, 0.0), 0.4 * radius, 10, true);
 }
 
 /// A stack of books lying on y = 0.
@@ -238,21 +238,11 @@ pub(crate) fn book_stack(m: &mut Model, turn: f64) {
 /// A plate with a glass beside it, for one place at a table.
 pub(crate) fn place_setting(m: &mut Model) {
     m.object("tableware").paint(&CERAMIC);
-    m.lathe(DVec3::ZERO, &[(0.07, 0.0), (0.13, 0.018)], 12);
-    m.lathe(DVec3::ZERO, &[(0.13, 0.018), (0.075, 0.006)], 12);
-    m.disc(dvec3(0.0, 0.006, 0.0), 0.075, 12, true);
+    m.lathe(DVec3::ZERO, &[(0.07, 0.0), (0.13, 0.018)], 10);
+    m.lathe(DVec3::ZERO, &[(0.13, 0.018), (0.075, 0.006)], 10);
+    m.disc(dvec3(0.0, 0.006, 0.0), 0.075, 10, true);
     m.paint(&BRASS).lathe(dvec3(0.17, 0.0, -0.1), &[(0.03, 0.0), (0.036, 0.09)], 8);
-    m.disc(dvec3(0.17, 0.085, -0.1), 0.035, 8, true);
-}
-
-/// A rug one centimetre thick: size along x and z, with a border of another colour.
-pub(crate) fn rug(m: &mut Model, [w, d]: [f64; 2], border: f64, field: &Paint, edge: &Paint) {
-    let (x, z, y) = (0.5 * w, 0.5 * d, 0.01);
-    m.object("rugs").paint(edge);
-    m.block([-x, 0.0, -z], [x, y, z], Faces::UPRIGHT);
-    m.panel(dvec3(-x, y, z), (DVec3::X, w), (-DVec3::Z, d), &[[border, w - border, border, d - border]]);
-    m.paint(field);
-    m.quad(dvec3(border - x, y, z - border), DVec3::X * (w - 2.0 * border), -DVec3::Z * (d - 2.0 * border));
+    m.disc(dvec3(0.17, 0.09, -0.1), 0.036, 8, true);
 }
 
 /// A bed with its head at z = 0: width and length.

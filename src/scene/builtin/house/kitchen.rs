@@ -1,12 +1,12 @@
 //! Dining room and kitchen.
 
-use super::SOUTH;
-use super::furniture::{bowl, cabinet, chair, fronts, picture, place_setting, plant, rug, table, vase};
+use super::furniture::{bowl, cabinet, chair, fronts, picture, place_setting, plant, table, vase};
 use super::lamps::{dome_pendant, globe_pendant, strip};
 use super::palette::{
-    BLACK, BRASS, CERAMIC, CHARCOAL, DARK_FRAME, JOINERY, KITCHEN_TILE, MUSTARD, OAK, PINE_GREEN, POT, RUST,
+    BLACK, BRASS, CERAMIC, DARK_FRAME, JOINERY, KITCHEN_TILE, MUSTARD, OAK, PINE_GREEN, POT, RUST,
     SAGE_FRONT, STEEL, WALNUT, WORKTOP,
 };
+use super::plan::SOUTH;
 use super::shell::HEIGHT;
 use super::textiles::curtains;
 use crate::scene::builtin::shapes::Faces;
@@ -14,16 +14,15 @@ use crate::scene::builtin::writer::{Model, Output, Paint};
 use glam::{DVec3, dvec3};
 
 /// The enamel of the dining room's pendants: the study's green.
-const ENAMEL: Paint = Paint::new("green_enamel", PINE_GREEN.reflectance);
+const ENAMEL: Paint = Paint::solid("green_enamel", PINE_GREEN.reflectance);
 
 pub(crate) fn dining_room(m: &mut Model) {
-    let pendants = m.lamp("Dining pendants", Output::White(1900.0, 3000.0), true);
+    let pendants = m.lamp("Dining pendants", Output::White(2300.0, 3600.0), true);
     let (x, z) = (6.85, 6.3);
     for dz in [-0.65, 0.0, 0.65] {
         m.place([x, HEIGHT, z + dz], 0.0, |m| dome_pendant(m, pendants, 0.98, &ENAMEL));
     }
-    m.place([x, 0.0, z], 0.0, |m| rug(m, [2.4, 3.0], 0.1, &RUST, &CHARCOAL));
-    m.place([x, 0.01, z], 0.0, |m| {
+    m.place([x, 0.0, z], 0.0, |m| {
         m.object("dining_table");
         table(m, [0.95, 0.75, 1.9], 0.06, &OAK, &OAK);
         m.object("dining_chairs");
@@ -65,8 +64,8 @@ const WEST: f64 = 8.6;
 const RUN_NORTH: f64 = 5.75;
 
 pub(crate) fn kitchen(m: &mut Model) {
-    let pendant = m.lamp("Kitchen pendant", Output::White(1500.0, 3600.0), true);
-    let under = m.lamp("Under-cabinet strip", Output::White(900.0, 4000.0), true);
+    let pendant = m.lamp("Kitchen pendant", Output::White(2200.0, 4500.0), true);
+    let under = m.lamp("Under-cabinet strip", Output::White(1300.0, 5000.0), true);
     m.place([9.75, HEIGHT, 6.2], 0.0, |m| globe_pendant(m, pendant, 0.6, 0.17));
 
     base_units(m);
@@ -90,21 +89,17 @@ pub(crate) fn kitchen(m: &mut Model) {
     for y in [1.35, 1.7] {
         m.object("kitchen_boards").paint(&OAK);
         m.block([8.9, y, 4.52], [10.3, y + 0.025, 4.7], Faces::ALL.without(Faces::BACK));
-        for k in 0..6 {
+        for k in 0..5 {
             let paint = [&CERAMIC, &BRASS, &POT, &STEEL, &CERAMIC, &RUST_GLAZE][(k + (y > 1.5) as usize) % 6];
             let (radius, height) = (0.045 + 0.008 * (k % 3) as f64, 0.12 + 0.03 * (k % 2) as f64);
             m.object("jars").paint(paint);
-            let at = dvec3(9.02 + 0.225 * k as f64, y + 0.025, 4.61);
-            m.lathe(
-                at,
-                &[(radius, 0.0), (radius, height), (0.6 * radius, height + 0.02), (0.0, height + 0.02)],
-                10,
-            );
+            let at = dvec3(9.02 + 0.28 * k as f64, y + 0.025, 4.61);
+            m.lathe(at, &[(radius, 0.0), (radius, height), (0.0, height + 0.025)], 8);
         }
     }
 }
 
-const RUST_GLAZE: Paint = Paint::new("rust_glaze", [0.45, 0.16, 0.08]);
+const RUST_GLAZE: Paint = Paint::solid("rust_glaze", [0.45, 0.16, 0.08]);
 
 /// Cupboards below the worktops, and the tall ones at the east run's north end.
 fn base_units(m: &mut Model) {
@@ -164,11 +159,11 @@ fn worktops(m: &mut Model) {
 /// Cupboards on the east wall and the hood between them.
 fn wall_units(m: &mut Model) {
     let (low, high, depth) = (1.5, 2.25, 0.34);
-    for (z0, z1, doors) in [(RUN_NORTH, 6.6, 2), (7.2, SOUTH, 3)] {
+    for (z0, z1, doors, touching) in [(RUN_NORTH, 6.6, 2, Faces::LEFT), (7.2, SOUTH, 3, Faces::RIGHT)] {
         m.object("wall_units");
         m.place([EAST, low, z0], -90.0, |m| {
             let (w, h) = (z1 - z0, high - low);
-            m.paint(&JOINERY).block([0.0, 0.0, 0.0], [w, h, depth], Faces::AROUND);
+            m.paint(&JOINERY).block([0.0, 0.0, 0.0], [w, h, depth], Faces::AROUND.without(touching));
             fronts(m, [0.0, 0.0, depth], [w, h], doors, 0.01, &JOINERY);
         });
     }

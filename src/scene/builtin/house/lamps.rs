@@ -11,9 +11,9 @@ const OPAL: [f64; 3] = [0.78, 0.78, 0.76];
 /// A surface-mounted downlight, 1.5 cm deep, under a ceiling at y = 0.
 pub(crate) fn downlight(m: &mut Model, lamp: LampId) {
     m.object("downlight_rims").paint(&JOINERY);
-    m.lathe(DVec3::ZERO, &[(0.075, -0.015), (0.075, 0.0)], 10);
-    m.lathe(DVec3::ZERO, &[(0.06, -0.015), (0.075, -0.015)], 10);
-    m.glow(lamp, 1.0, OPAL).disc(dvec3(0.0, -0.015, 0.0), 0.06, 10, false);
+    m.lathe(DVec3::ZERO, &[(0.075, -0.015), (0.075, 0.0)], 8);
+    m.lathe(DVec3::ZERO, &[(0.06, -0.015), (0.075, -0.015)], 8);
+    m.glow(lamp, 1.0, OPAL).disc(dvec3(0.0, -0.015, 0.0), 0.06, 8, false);
 }
 
 /// A dome pendant: `drop` from the ceiling at y = 0 to the rim; the light leaves downwards, and a
@@ -21,13 +21,13 @@ pub(crate) fn downlight(m: &mut Model, lamp: LampId) {
 pub(crate) fn dome_pendant(m: &mut Model, lamp: LampId, drop: f64, shade: &Paint) {
     m.place([0.0, -drop, 0.0], 0.0, |m| {
         m.object("pendant_shades").paint(shade);
-        let outer = [(0.19, 0.0), (0.17, 0.07), (0.12, 0.13), (0.05, 0.17), (0.03, 0.23), (0.0, 0.23)];
-        m.lathe(DVec3::ZERO, &outer, 14);
-        m.paint(&JOINERY).lathe(DVec3::ZERO, &[(0.15, 0.05), (0.185, 0.0)], 14);
-        m.lathe(DVec3::ZERO, &[(0.185, 0.0), (0.19, 0.0)], 14);
+        let outer = [(0.19, 0.0), (0.16, 0.09), (0.05, 0.18), (0.035, 0.23), (0.0, 0.23)];
+        m.lathe(DVec3::ZERO, &outer, 12);
+        m.paint(&JOINERY).lathe(DVec3::ZERO, &[(0.15, 0.05), (0.185, 0.0)], 12);
+        m.lathe(DVec3::ZERO, &[(0.185, 0.0), (0.19, 0.0)], 12);
         m.object("pendant_cords").paint(&BLACK);
         m.bar(dvec3(0.0, 0.23, 0.0), dvec3(0.0, drop, 0.0), 0.012);
-        m.glow(lamp, 1.0, OPAL).disc(dvec3(0.0, 0.05, 0.0), 0.15, 14, false);
+        m.glow(lamp, 1.0, OPAL).disc(dvec3(0.0, 0.05, 0.0), 0.15, 12, false);
     });
 }
 
@@ -75,7 +75,7 @@ pub(crate) fn desk_lamp(m: &mut Model, lamp: LampId) {
     m.lathe(DVec3::ZERO, &[(0.085, 0.0), (0.085, 0.02), (0.0, 0.02)], 12);
     let (elbow, head) = (dvec3(-0.1, 0.32, 0.0), dvec3(0.2, 0.5, 0.0));
     m.bar(dvec3(0.0, 0.02, 0.0), elbow, 0.016);
-    m.bar(elbow, head, 0.016);
+    m.bar(elbow, head, 0.014);
     m.place(head.to_array(), 0.0, |m| {
         m.object("desk_lamp").paint(&BRASS);
         m.lathe(DVec3::ZERO, &[(0.09, -0.1), (0.045, 0.0), (0.0, 0.015)], 12);

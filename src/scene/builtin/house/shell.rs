@@ -45,12 +45,59 @@ pub(crate) struct Room {
     pub(crate) floor: Option<&'static Paint>,
 }
 
+/// A rug with a border, flush with the floor of a room; metres.
+pub(crate) struct Rug {
+    /// The room's name.
+    pub(crate) room: &'static str,
+    /// From where to where.
+    pub(crate) x: [f64; 2],
+    /// From where to where.
+    pub(crate) z: [f64; 2],
+    /// Width of the border.
+    pub(crate) border: f64,
+    /// Inside the border.
+    pub(crate) field: &'static Paint,
+    /// The border.
+    pub(crate) edge: &'static Paint,
+}
+
+/// The floor of a room, or of a part of one, at height `y` around the rugs that lie on it.
+pub(crate) fn floor(
+    m: &mut Model,
+    room: &str,
+    ([x0, x1], [z0, z1]): ([f64; 2], [f64; 2]),
+    y: f64,
+    paint: &Paint,
+    rugs: &[Rug],
+) {
+    let rugs: Vec<&Rug> = rugs
+        .iter()
+        .filter(|r| r.room == room && r.x[0] > x0 && r.x[1] < x1 && r.z[0] > z0 && r.z[1] < z1)
+        .collect();
+    let holes: Vec<Hole> =
+        rugs.iter().map(|r| [r.x[0] - x0, r.x[1] - x0, z1 - r.z[1], z1 - r.z[0]]).collect();
+    m.object(&format!("{room}_floor")).paint(paint);
+    m.panel(dvec3(x0, y, z1), (DVec3::X, x1 - x0), (-DVec3::Z, z1 - z0), &holes);
+    m.object("rugs");
+    for r in rugs {
+        let (w, d, b) = (r.x[1] - r.x[0], r.z[1] - r.z[0], r.border);
+        m.paint(r.edge).panel(
+            dvec3(r.x[0], y, r.z[1]),
+            (DVec3::X, w),
+            (-DVec3::Z, d),
+            &[[b, w - b, b, d - b]],
+        );
+        m.paint(r.field);
+        m.quad(dvec3(r.x[0] + b, y, r.z[1] - b), DVec3::X * (w - 2.0 * b), -DVec3::Z * (d - 2.0 * b));
+    }
+}
+
 /// Clear height of all rooms over their entrance level, metres.
 pub(crate) const HEIGHT: f64 = 2.6;
 
 impl Room {
     /// Walls with their openings, ceiling and floor.
-    pub(crate) fn build(&self, m: &mut Model, openings: &[Opening]) {
+    pub(crate) fn build(&self, m: &mut Model, openings: &[Opening], rugs: &[Rug]) {
         let ([x0, x1], [z0, z1]) = (self.x, self.z);
         m.object(&format!("{}_walls", self.name));
         let sides = [
@@ -75,9 +122,8 @@ impl Room {
         }
         m.object(&format!("{}_ceiling", self.name)).paint(&CEILING);
         m.quad(dvec3(x0, HEIGHT, z0), DVec3::X * (x1 - x0), DVec3::Z * (z1 - z0));
-        if let Some(floor) = self.floor {
-            m.object(&format!("{}_floor", self.name)).paint(floor);
-            m.quad(dvec3(x0, 0.0, z1), DVec3::X * (x1 - x0), DVec3::Z * (z0 - z1));
+        if let Some(paint) = self.floor {
+            floor(m, self.name, (self.x, self.z), 0.0, paint, rugs);
         }
     }
 }
@@ -128,14 +174,14 @@ impl Opening {
     }
 
     /// A frame in the middle of the reveal with upright mullions between `panes` panes, and a
-    /// crossbar at `transom` where given.
-    pub(crate) fn frame(&self, m: &mut Model, panes: usize, transom: Option<f64>) {
+    /// crossbar at `transom` where given; `inside` is its face towards the room.
+    pub(crate) fn frame(&self, m: &mut Model, panes: usize, transom: Option<f64>, inside: Faces) {
         let (bar, half) = (0.05, 0.03);
         let [sill, head] = self.height;
         m.object("window_frames").paint(&DARK_FRAME);
         self.in_wall(m, |m, width, depth| {
             let (z0, z1) = (0.5 * depth - half, 0.5 * depth + half);
-            let flat = Faces::BACK.and(Faces::FRONT);
+            let flat = inside;
             let (low, high) = (sill + bar, head - bar);
             m.block([0.0, sill, z0], [width, low, z1], flat.and(Faces::TOP));
             m.block([0.0, high, z0], [width, head, z1], flat.and(Faces::BOTTOM));
@@ -149,7 +195,11 @@ impl Opening {
                     if k + 1 == panes { x + pane } else { x + pane - 0.5 * bar },
                 );
                 if k > 0 {
-                    m.block([x - 0.5 * bar, low, z0], [x + 0.5 * bar, high, z1], Faces::UPRIGHT);
+                    m.block(
+                        [x - 0.5 * bar, low, z0],
+                        [x + 0.5 * bar, high, z1],
+                        flat.and(Faces::LEFT).and(Faces::RIGHT),
+                    );
                 }
                 if let Some(y) = transom {
                     let level = flat.and(Faces::TOP).and(Faces::BOTTOM);

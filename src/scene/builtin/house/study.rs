@@ -1,10 +1,8 @@
 //! The study.
 
-use super::furniture::{book_stack, bookshelf, chair, picture, plant, rug, table};
+use super::furniture::{book_stack, bookshelf, chair, picture, plant, table};
 use super::lamps::{desk_lamp, dome_pendant};
-use super::palette::{
-    BLACK, BRASS, CHARCOAL, CREAM, DARK_FRAME, MUSTARD, OAK, PAPER, RUST, SAGE_FRONT, WALNUT,
-};
+use super::palette::{BLACK, BRASS, CHARCOAL, DARK_FRAME, MUSTARD, OAK, PAPER, RUST, SAGE_FRONT, WALNUT};
 use super::shell::HEIGHT;
 use super::textiles::{armchair, throw_cushion};
 use crate::scene::builtin::shapes::Faces;
@@ -12,8 +10,8 @@ use crate::scene::builtin::writer::{Model, Output};
 use glam::dvec3;
 
 pub(crate) fn study(m: &mut Model) {
-    let desk = m.lamp("Desk lamp", Output::White(520.0, 4000.0), true);
-    let pendant = m.lamp("Study pendant", Output::White(1100.0, 3200.0), true);
+    let desk = m.lamp("Desk lamp", Output::White(650.0, 5500.0), true);
+    let pendant = m.lamp("Study pendant", Output::White(1700.0, 3900.0), true);
     m.place([1.55, HEIGHT, 1.6], 0.0, |m| dome_pendant(m, pendant, 0.7, &BRASS));
 
     // The desk stands under the west window.
@@ -23,11 +21,7 @@ pub(crate) fn study(m: &mut Model) {
         m.place([0.58, 0.74, -0.16], -35.0, |m| desk_lamp(m, desk));
         m.object("monitor").paint(&BLACK);
         m.block([-0.31, 0.86, -0.2], [0.31, 1.22, -0.175], Faces::ALL);
-        m.block(
-            [-0.03, 0.75, -0.215],
-            [0.03, 1.0, -0.2],
-            Faces::ALL.without(Faces::FRONT).without(Faces::BOTTOM),
-        );
+        m.block([-0.03, 0.75, -0.225], [0.03, 1.0, -0.205], Faces::STANDING);
         m.block([-0.12, 0.74, -0.26], [0.12, 0.75, -0.08], Faces::STANDING);
         m.paint(&CHARCOAL).block([-0.2, 0.74, 0.05], [0.2, 0.755, 0.18], Faces::STANDING);
         m.paint(&PAPER);
@@ -43,14 +37,13 @@ pub(crate) fn study(m: &mut Model) {
         bookshelf(m, [1.25, 2.15, 0.28], 6, &OAK, 5);
     });
     m.place([2.6, 0.0, 0.0], 0.0, low_shelf);
-    m.place([0.62, 0.0, 0.42], 0.0, |m| plant(m, 1.25, 20, 17));
+    m.place([0.62, 0.0, 0.42], 0.0, |m| plant(m, 1.25, 15, 17));
     m.place([0.22, 0.0, 3.02], 135.0, |m| {
         m.place([0.0, 0.0, 0.28], 0.0, |m| {
             armchair(m, &SAGE_FRONT, &WALNUT);
             m.place([0.02, 0.44, 0.17], 5.0, |m| throw_cushion(m, &MUSTARD));
         });
     });
-    m.place([1.75, 0.0, 1.75], 0.0, |m| rug(m, [1.2, 1.7], 0.08, &CREAM, &CHARCOAL));
     m.place([3.2, 1.5, 1.3], -90.0, |m| picture(m, [0.9, 0.7], &DARK_FRAME, 1));
 }
 

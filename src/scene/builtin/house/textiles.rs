@@ -13,12 +13,13 @@ pub(crate) fn sofa(m: &mut Model, width: f64, seats: usize, depth: f64, paint: &
     for left in [-x, inner] {
         m.cushion([left, 0.05, 0.0], [left + arm, 0.56, depth], 0.03);
     }
-    m.cushion([-inner, 0.05, 0.0], [inner, 0.74, 0.18], 0.04);
-    m.block([-inner, 0.05, 0.18], [inner, 0.25, depth - 0.04], Faces::FRONT.and(Faces::TOP));
+    // A hair's breadth off the arms, above which it rises.
+    m.cushion([0.002 - inner, 0.05, 0.0], [inner - 0.002, 0.74, 0.18], 0.04);
+    m.block([-inner, 0.05, 0.18], [inner, 0.25, depth], Faces::FRONT.and(Faces::TOP));
     let pitch = 2.0 * inner / seats as f64;
     for k in 0..seats {
         let (x0, x1) = (-inner + pitch * k as f64 + 0.008, -inner + pitch * (k + 1) as f64 - 0.008);
-        m.cushion([x0, 0.25, 0.20], [x1, 0.43, depth], 0.035);
+        m.cushion([x0, 0.25, 0.20], [x1, 0.43, depth - 0.01], 0.035);
         m.cushion([x0, 0.43, 0.20], [x1, 0.80, 0.36], 0.05);
     }
     m.paint(&DARK_FRAME).block([-x + 0.08, 0.0, 0.08], [x - 0.08, 0.05, depth - 0.1], Faces::UPRIGHT);
@@ -61,10 +62,14 @@ pub(crate) fn curtain(m: &mut Model, width: f64, foot: f64, top: f64, folds: usi
 /// x = 0, on the wall z = 0 and facing +z.
 pub(crate) fn curtains(m: &mut Model, width: f64, foot: f64, top: f64, drawn: f64) {
     let (z, over) = (0.09, 0.25);
-    m.place([-over, 0.0, z], 0.0, |m| curtain(m, drawn, foot, top - 0.02, 5));
-    m.place([width + over - drawn, 0.0, z], 0.0, |m| curtain(m, drawn, foot, top - 0.02, 5));
+    m.place([-over, 0.0, z], 0.0, |m| curtain(m, drawn, foot, top - 0.02, 3));
+    m.place([width + over - drawn, 0.0, z], 0.0, |m| curtain(m, drawn, foot, top - 0.02, 3));
     m.object("curtain_rails").paint(&DARK_FRAME);
-    m.block([-over - 0.08, top + 0.03, z - 0.012], [width + over + 0.08, top + 0.054, z + 0.012], Faces::ALL);
+    m.block(
+        [-over - 0.08, top + 0.03, z - 0.012],
+        [width + over + 0.08, top + 0.054, z + 0.012],
+        Faces::ALL.without(Faces::BACK),
+    );
 }
 
 /// An armchair with its back at z = 0.
@@ -73,8 +78,8 @@ pub(crate) fn armchair(m: &mut Model, body: &Paint, legs: &Paint) {
     for left in [-0.38, 0.26] {
         m.cushion([left, 0.14, 0.0], [left + 0.12, 0.58, 0.78], 0.03);
     }
-    m.cushion([-0.26, 0.14, 0.0], [0.26, 0.86, 0.16], 0.05);
-    m.block([-0.26, 0.14, 0.16], [0.26, 0.27, 0.74], Faces::FRONT.and(Faces::TOP));
+    m.cushion([-0.258, 0.14, 0.0], [0.258, 0.86, 0.16], 0.05);
+    m.block([-0.26, 0.14, 0.16], [0.26, 0.27, 0.78], Faces::FRONT.and(Faces::TOP));
     m.cushion([-0.25, 0.27, 0.17], [0.25, 0.44, 0.77], 0.04);
     m.quad(dvec3(-0.38, 0.14, 0.0), DVec3::X * 0.76, DVec3::Z * 0.78);
     m.paint(legs);
