@@ -42,6 +42,8 @@ pub struct App {
     pub(super) seen: Seen,
     pub(super) scale: Option<FalseColour>,
     pub(super) inspected: Option<u32>,
+    /// It was picked just now: its numbers scroll into view.
+    pub(super) inspect_fresh: bool,
     /// The lamp that stands alone, and the lamps before.
     pub(super) solo: Option<(usize, Lighting)>,
     pub(super) notice: Option<Notice>,
@@ -102,6 +104,7 @@ impl App {
             seen: Seen::default(),
             scale: None,
             inspected: None,
+            inspect_fresh: false,
             solo: None,
             notice: None,
             last_change: String::new(),
@@ -248,7 +251,9 @@ impl App {
     /// Writes the picture that egui has read back, cut to the view.
     fn take_screenshot(&mut self) {
         let arrived = self.screenshot_arrived.lock().ok().and_then(|mut slot| slot.take());
-        if let (Some(image), Some(path)) = (arrived, self.screenshot.take()) {
+        if let Some(image) = arrived
+            && let Some(path) = self.screenshot.take()
+        {
             let cut = image.region(&self.view_rect, None);
             self.files.save_picture(path, cut);
         }
@@ -306,6 +311,7 @@ impl App {
             light_version: self.picture.light_version,
             reflectance: &self.picture.reflectance,
             aspect: prepared.map_or(&[], |p| &p.aspect),
+            full_lumens: prepared.map_or(&[], |p| &p.full_lumens),
             edits: &self.edits,
             state: &self.state,
             views: &self.views,
@@ -313,6 +319,7 @@ impl App {
             ev: self.exposure_in_force().ev100,
             fov_deg: self.camera.as_ref().map_or(60.0, |c| c.pose().fov_y_deg),
             inspected: self.inspected,
+            inspect_fresh: self.inspect_fresh,
             solo: self.solo.as_ref().map(|(lamp, _)| *lamp),
             has_comparison: self.picture.has_comparison(),
             last_change: &self.last_change,
@@ -357,6 +364,7 @@ impl eframe::App for App {
         input::commands(ui.ctx(), &self.model(), self.help_open, &mut out);
         self.dropped_files(ui, &mut out);
         self.panels(ui, &mut out);
+        self.inspect_fresh = false;
         // Before the picture is drawn: a switched lamp is dark in this very frame.
         self.execute_all(ui.ctx(), &mut out);
         let pointer_up = ui.input(|i| !i.pointer.any_down());

@@ -29,6 +29,8 @@ pub(super) struct Prepared {
     /// Longest extent squared over area, a patch each.
     pub(super) aspect: Vec<f32>,
     pub(super) bounds: Aabb,
+    /// Luminous flux of each lamp at full output as it comes with the file, lm.
+    pub(super) full_lumens: Vec<f64>,
 }
 
 impl Prepared {
@@ -39,6 +41,7 @@ impl Prepared {
             picker: Picker::new(&mesh),
             obstacles: Obstacles::of_mesh(&mesh, scene.up.vector()),
             aspect: mesh.patches.iter().map(|p| aspect(&mesh, p)).collect(),
+            full_lumens: crate::scene::lumens(&scene).into_iter().map(|[full, _]| full).collect(),
             bounds: Aabb::around(mesh.vertices.iter().copied()),
             scene,
             mesh,
@@ -230,17 +233,23 @@ impl Picture {
         corners
     }
 
-    /// Gains per band that turn the light of the scene's lamps, as they come, towards white.
-    pub(super) fn white_balance(&self) -> [f32; 3] {
+    /// Gains per band that turn the light of the lamps towards white: as much by the lamps as they
+    /// stand as by those of the file, as the exposure does.
+    pub(super) fn white_balance(&self, lighting: &Lighting) -> [f32; 3] {
         let Some(prepared) = &self.prepared else { return [1.0; 3] };
-        let mut flux = [0.0; 3];
-        let usual = usual_lighting(&prepared.scene);
-        for (luminaire, lamp) in prepared.scene.luminaires.iter().zip(&usual.lamps) {
-            for (sum, output) in flux.iter_mut().zip(lamp.output()) {
-                *sum += output * luminaire.area;
+        // Chromaticity alone: of luminance one, black where nothing shines.
+        let colour_of = |lighting: &Lighting| {
+            let mut flux = [0.0; 3];
+            for (luminaire, lamp) in prepared.scene.luminaires.iter().zip(&lighting.lamps) {
+                for (sum, output) in flux.iter_mut().zip(lamp.output()) {
+                    *sum += output * luminaire.area;
+                }
             }
-        }
-        white_gains(flux)
+            let total = luminance_weighted(flux);
+            if total > 0.0 { flux.map(|f| f / total) } else { [0.0; 3] }
+        };
+        let (usual, now) = (colour_of(&usual_lighting(&prepared.scene)), colour_of(lighting));
+        white_gains(std::array::from_fn(|b| usual[b] + now[b]))
     }
 
     /// False-colour values at the corners that are drawn.

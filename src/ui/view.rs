@@ -143,7 +143,11 @@ impl App {
                 viewport.upload(|renderer, _, queue| renderer.set_scalars(queue, &corners));
             }
         } else {
-            let gains = if display.white_balance { self.picture.white_balance() } else { [1.0; 3] };
+            let gains = if display.white_balance {
+                self.picture.white_balance(&self.edits.lighting)
+            } else {
+                [1.0; 3]
+            };
             let corners = self.picture.corner_radiosity(display.shading, gains);
             if let Some(viewport) = &self.viewport {
                 viewport.upload(|renderer, _, queue| renderer.set_light(queue, &corners));

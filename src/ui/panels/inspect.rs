@@ -36,6 +36,9 @@ pub(in crate::ui) fn show(ui: &mut egui::Ui, model: &Model<'_>, out: &mut Comman
         empty(ui, "No scene is open.");
         return;
     };
+    if model.inspect_fresh {
+        ui.scroll_to_cursor(Some(egui::Align::TOP));
+    }
     match model.inspected.and_then(|id| Some((id, mesh.patches.get(id as usize)?))) {
         Some((id, patch)) => numbers(ui, model, scene, id, patch, out),
         None => empty(ui, "Ctrl-click a surface to look into its patch."),
