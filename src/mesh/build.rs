@@ -1,6 +1,6 @@
 use super::patches;
 use super::pieces::{self, Cut, Grid};
-use super::reach::{Reach, Search};
+use super::reach::{Buried, Reach, Search};
 use super::regions::{self, Outline};
 use super::types::{MeshStatistics, NO_PATCH, Patch, PatchMesh, Side};
 use crate::scene::Scene;
@@ -127,8 +127,13 @@ pub fn build(scene: &Scene, settings: &MeshSettings) -> Result<PatchMesh, MeshEr
         region.dark = reached.map(|side| side == Reach::Dark);
     }
     if settings.backs == Backs::Reached {
-        for (patch, buried) in search.buried(&mesh.patches).into_iter().enumerate() {
-            mesh.patches[patch].buried = buried;
+        let found = search.buried(&mesh.patches, |patch| patches::inner_points(&mesh, patch));
+        for (patch, buried) in mesh.patches.iter_mut().zip(found) {
+            match buried {
+                Some(Buried::Whole) => patch.buried = true,
+                Some(Buried::LitAt(point)) => patch.centre = point,
+                None => {}
+            }
         }
     }
     mesh.blockers = blockers(&outlines, size);

@@ -29,6 +29,14 @@ pub(super) enum Reach {
     Dark,
 }
 
+/// A patch whose centre no light reaches.
+pub(super) enum Buried {
+    /// Nor any other point of it that was tried.
+    Whole,
+    /// This point of it is lit.
+    LitAt(DVec3),
+}
+
 /// Finds what light can reach in a scene.
 pub(super) struct Search<'a> {
     scene: &'a Scene,
@@ -96,16 +104,30 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// Whether each patch lies under something, out of all light, although its side is lit elsewhere.
-    pub(super) fn buried(&self, patches: &[Patch]) -> Vec<bool> {
+    /// For each patch whether its centre lies under something, out of all light, although its side is
+    /// lit elsewhere; then a point of it that is lit, if any of `points` is.
+    pub(super) fn buried(
+        &self,
+        patches: &[Patch],
+        points: impl Fn(&Patch) -> Vec<DVec3> + Sync,
+    ) -> Vec<Option<Buried>> {
         patches
             .par_iter()
             .enumerate()
             .map(|(index, patch)| {
                 let auto = self.scene.materials[patch.material as usize].sides == Sides::Auto;
-                auto && patch.luminaire.is_none()
-                    && !self.lamps.is_empty()
-                    && !self.is_lit(&[patch.centre], patch.normal, (1 << 40) + index as u64)
+                let seed = (1 << 40) + 64 * index as u64;
+                if !auto
+                    || patch.luminaire.is_some()
+                    || self.lamps.is_empty()
+                    || self.is_lit(&[patch.centre], patch.normal, seed)
+                {
+                    return None;
+                }
+                let lit = (1..)
+                    .zip(points(patch).into_iter().take(40))
+                    .find(|&(k, point)| self.is_lit(&[point], patch.normal, seed + k));
+                Some(lit.map_or(Buried::Whole, |(_, point)| Buried::LitAt(point)))
             })
             .collect()
     }

@@ -100,7 +100,8 @@ pub struct Patch {
     pub luminaire: Option<u32>,
     /// Its pieces in [`PatchMesh::patch_pieces`].
     pub pieces: Range<u32>,
-    /// Centroid, metres; on the region's plane and inside one of the pieces.
+    /// Where rows are gathered, metres: the centroid, or another point of the patch where the centroid
+    /// lies outside of it or under something.
     pub centre: DVec3,
     /// Unit normal of its side.
     pub normal: DVec3,
