@@ -98,7 +98,7 @@ impl<'a> Search<'a> {
                 let starts: Vec<DVec3> =
                     sample_points(outline, 12).into_iter().map(|p| outline.world(p)).collect();
                 let seed = 2 * index as u64 + side as u64;
-                let lit = self.is_lit(&starts, outline.frame.normal * side.sign(), seed);
+                let lit = self.is_lit(&starts, outline.frame.normal * side.sign(), seed, PATHS, ENOUGH);
                 if lit { Reach::Lit } else { Reach::Dark }
             }
         }
@@ -120,26 +120,26 @@ impl<'a> Search<'a> {
                 if !auto
                     || patch.luminaire.is_some()
                     || self.lamps.is_empty()
-                    || self.is_lit(&[patch.centre], patch.normal, seed)
+                    || self.is_lit(&[patch.centre], patch.normal, seed, PATHS / 3, 1)
                 {
                     return None;
                 }
                 let lit = (1..)
                     .zip(points(patch).into_iter().take(40))
-                    .find(|&(k, point)| self.is_lit(&[point], patch.normal, seed + k));
+                    .find(|&(k, point)| self.is_lit(&[point], patch.normal, seed + k, PATHS / 8, 1));
                 Some(lit.map_or(Buried::Whole, |(_, point)| Buried::LitAt(point)))
             })
             .collect()
     }
 
-    fn is_lit(&self, starts: &[DVec3], normal: DVec3, seed: u64) -> bool {
+    /// Whether `enough` of `paths` paths from the points in turn find light.
+    fn is_lit(&self, starts: &[DVec3], normal: DVec3, seed: u64, paths: u64, enough: u32) -> bool {
         let mut found = 0;
-        for path in 0..PATHS {
+        for path in 0..paths {
             let Some(&start) = starts.get(path as usize % starts.len().max(1)) else { return false };
-            let seed = seed.wrapping_mul(PATHS) + path;
-            if self.path_finds_light(start, normal, seed) {
+            if self.path_finds_light(start, normal, seed.wrapping_mul(PATHS) + path) {
                 found += 1;
-                if found == ENOUGH {
+                if found == enough {
                     return true;
                 }
             }
