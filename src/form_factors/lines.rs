@@ -64,6 +64,12 @@ impl Interval {
     fn w(&self, x: f64) -> f64 {
         self.w0 + self.w1 * x
     }
+
+    /// Whether this one stands before `other` from `x` to the other's end: depths are linear, so both
+    /// ends tell.
+    fn hides(&self, other: &Self, x: f64) -> bool {
+        self.end >= other.end && self.w(x) >= other.w(x) && self.w(other.end) >= other.w(other.end)
+    }
 }
 
 /// A region above the horizon, in the receiver's frame.
@@ -334,12 +340,27 @@ impl LineSampler {
                 x = line[next].start;
             }
             while next < line.len() && line[next].start <= x {
-                self.active.push(line[next]);
+                let new = line[next];
                 next += 1;
+                if !self.active.iter().any(|old| old.hides(&new, x)) {
+                    self.active.retain(|old| !new.hides(old, x));
+                    self.active.push(new);
+                }
             }
-            let mut end = if next < line.len() { line[next].start } else { f64::INFINITY };
+            let mut end = f64::INFINITY;
             for interval in &self.active {
-                end = end.min(interval.end);
+                if interval.end < end {
+                    end = interval.end;
+                }
+            }
+            // What begins behind another and stays behind it is no event.
+            while next < line.len() && line[next].start < end {
+                let start = line[next].start;
+                if self.active.iter().any(|old| old.hides(&line[next], start)) {
+                    next += 1;
+                } else {
+                    end = start;
+                }
             }
             if end - x > SHORTEST {
                 let (mut from, mut rounds) = (x, 0);
