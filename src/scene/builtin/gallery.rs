@@ -120,10 +120,12 @@ fn colonnades(m: &mut Model) {
         for z in COLUMNS {
             m.object("columns").paint(&STONE);
             m.place([x, 0.0, z], 0.0, |m| {
-                m.block([-0.2, 0.0, -0.2], [0.2, 0.12, 0.2], Faces::STANDING);
+                m.block([-0.2, 0.0, -0.2], [0.2, 0.12, 0.2], Faces::UPRIGHT);
+                m.collar(dvec3(0.0, 0.12, 0.0), 0.2, 0.172, 16, true);
                 let shaft = [(0.172, 0.12), (0.148, 0.2), (0.141, 1.35), (0.128, 2.5), (0.172, 2.63)];
                 m.lathe(DVec3::ZERO, &shaft, 16);
-                m.block([-0.19, 2.63, -0.19], [0.19, ARCHITRAVE, 0.19], Faces::HANGING);
+                m.collar(dvec3(0.0, 2.63, 0.0), 0.19, 0.172, 16, false);
+                m.block([-0.19, 2.63, -0.19], [0.19, ARCHITRAVE, 0.19], Faces::UPRIGHT);
             });
         }
         m.object("architraves");
@@ -283,7 +285,7 @@ fn picture(m: &mut Model, width: f64, height: f64, kind: usize) {
 
 fn lamps(m: &mut Model) {
     // Coves on the nave side of the beams wash the vault from hidden strips.
-    let cove = m.lamp("Vault coves", Output::White(9000.0, 4500.0), true);
+    let cove = m.lamp("Vault coves", Output::White(9000.0, 5000.0), true);
     for side in [-1.0, 1.0] {
         let inner = side * (NAVE - 0.16);
         m.object("coves").paint(&STONE);
@@ -309,15 +311,15 @@ fn lamps(m: &mut Model) {
         });
     };
     let aisle = 0.5 * (NAVE + BEAM + HALL) + 0.12;
-    let west = m.lamp("West picture spots", Output::White(3000.0, 4500.0), true);
-    let east = m.lamp("East picture spots", Output::White(3000.0, 4500.0), true);
+    let west = m.lamp("West picture spots", Output::White(3000.0, 5000.0), true);
+    let east = m.lamp("East picture spots", Output::White(3000.0, 5000.0), true);
     for z in [-3.2, 0.0, 3.2] {
         spot(m, west, -aisle, z, AISLE_CEILING);
         spot(m, east, aisle, z, AISLE_CEILING);
     }
 
     // Pendant discs under the vault, over the works.
-    let pendants = m.lamp("Nave pendants", Output::White(5200.0, 5000.0), true);
+    let pendants = m.lamp("Nave pendants", Output::White(5200.0, 5500.0), true);
     for z in [-4.2, -1.25, 1.6] {
         m.place([0.0, 2.95, z], 0.0, |m| {
             m.object("pendant_bodies").paint(&FRAME);

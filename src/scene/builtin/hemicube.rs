@@ -17,7 +17,7 @@ const LAMP: [f64; 4] = [1.1, 2.1, 1.2, 2.2];
 
 pub(crate) fn model() -> Model {
     let mut m = Model::new(("m", 1.0), 0.18);
-    m.view("Room", [1.6, 1.36, 3.95], [1.6, 1.3, 0.0], 60.0);
+    m.view("Room", [1.6, 1.42, 3.96], [1.6, 1.22, 0.0], 64.0);
     m.view("Red wall", [2.75, 1.5, 3.4], [0.6, 0.55, 1.0], 55.0);
     m.view("Blue wall", [0.35, 1.5, 3.6], [2.6, 0.6, 1.6], 55.0);
     let lamp = m.lamp("Ceiling lamp", Output::Coloured(4200.0, [1.0, 0.93, 0.82]), true);
@@ -37,11 +37,11 @@ pub(crate) fn model() -> Model {
     m.object("blue_wall").paint(&BLUE).wall(dvec3(x, 0.0, 0.0), DVec3::Z, z, y, &[]);
 
     m.object("white_box").paint(&WHITE);
-    m.place([0.92, 0.0, 1.15], 19.0, |m| {
+    m.place([0.95, 0.0, 1.05], 33.0, |m| {
         m.block([-0.4, 0.0, -0.4], [0.4, 1.5, 0.4], Faces::STANDING);
     });
     m.object("yellow_box").paint(&YELLOW);
-    m.place([2.2, 0.0, 1.95], -21.0, |m| {
+    m.place([2.2, 0.0, 1.65], -36.0, |m| {
         m.block([-0.36, 0.0, -0.36], [0.36, 0.72, 0.36], Faces::STANDING);
     });
     m

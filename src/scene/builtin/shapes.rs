@@ -150,6 +150,26 @@ impl Model {
         self.polygon(&corners);
     }
 
+    /// A horizontal square of half edge `half` around `centre` with a round hole, of `sides` corners
+    /// (a multiple of eight), for a column that stands on it or carries it; facing up or down.
+    pub(crate) fn collar(&mut self, centre: DVec3, half: f64, radius: f64, sides: usize, up: bool) {
+        let corner = |k: usize| {
+            let angle = TAU * (k as f64 + 0.5) / 4.0;
+            centre + half * dvec3(angle.cos().signum(), 0.0, angle.sin().signum())
+        };
+        let quarter = sides / 4;
+        for k in 0..4 {
+            // From a corner along the edge to the next one, and back along the hole.
+            let first = k * quarter + quarter / 2;
+            let mut outline = vec![corner(k), corner((k + 1) % 4)];
+            outline.extend((0..=quarter).rev().map(|i| centre + radius * spoke((first + i) % sides, sides)));
+            if up {
+                outline.reverse();
+            }
+            self.polygon(&outline);
+        }
+    }
+
     /// The surface of revolution about the vertical through `centre` of a profile of (radius,
     /// height) pairs, with smooth normals except where the profile bends by more than 40 degrees.
     /// A profile that runs upwards faces outwards, one that runs downwards inwards.

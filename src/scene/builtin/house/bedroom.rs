@@ -8,9 +8,9 @@ use super::textiles::curtains;
 use crate::scene::builtin::writer::{Model, Output, Paint};
 
 pub(crate) fn bedroom(m: &mut Model) {
-    let left = m.lamp("Bedside lamp left", Output::White(750.0, 3200.0), true);
-    let right = m.lamp("Bedside lamp right", Output::White(750.0, 3200.0), true);
-    let ceiling = m.lamp("Bedroom ceiling lamp", Output::White(1800.0, 4500.0), false);
+    let left = m.lamp("Bedside lamp left", Output::White(750.0, 3400.0), true);
+    let right = m.lamp("Bedside lamp right", Output::White(750.0, 3400.0), true);
+    let ceiling = m.lamp("Bedroom ceiling lamp", Output::White(1800.0, 5000.0), false);
     m.place([4.9, HEIGHT, 1.6], 0.0, |m| ceiling_disc(m, ceiling, 0.24));
 
     let east = 6.92;

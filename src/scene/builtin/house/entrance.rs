@@ -9,7 +9,7 @@ use crate::scene::builtin::writer::{Model, Output, Paint};
 use glam::{DVec3, dvec3};
 
 pub(crate) fn hall(m: &mut Model) {
-    let lights = m.lamp("Entrance downlights", Output::White(2100.0, 4300.0), true);
+    let lights = m.lamp("Entrance downlights", Output::White(2000.0, 4800.0), true);
     for z in [0.8, 2.2, 3.6] {
         m.place([10.5, HEIGHT, z], 0.0, |m| downlight(m, lights));
     }

@@ -17,7 +17,7 @@ use glam::{DVec3, dvec3};
 const ENAMEL: Paint = Paint::solid("green_enamel", PINE_GREEN.reflectance);
 
 pub(crate) fn dining_room(m: &mut Model) {
-    let pendants = m.lamp("Dining pendants", Output::White(2300.0, 3600.0), true);
+    let pendants = m.lamp("Dining pendants", Output::White(2300.0, 4000.0), true);
     let (x, z) = (6.85, 6.3);
     for dz in [-0.65, 0.0, 0.65] {
         m.place([x, HEIGHT, z + dz], 0.0, |m| dome_pendant(m, pendants, 0.98, &ENAMEL));
@@ -64,8 +64,8 @@ const WEST: f64 = 8.6;
 const RUN_NORTH: f64 = 5.75;
 
 pub(crate) fn kitchen(m: &mut Model) {
-    let pendant = m.lamp("Kitchen pendant", Output::White(2200.0, 4500.0), true);
-    let under = m.lamp("Under-cabinet strip", Output::White(1300.0, 5000.0), true);
+    let pendant = m.lamp("Kitchen pendant", Output::White(2200.0, 5000.0), true);
+    let under = m.lamp("Under-cabinet strip", Output::White(1200.0, 5500.0), true);
     m.place([9.75, HEIGHT, 6.2], 0.0, |m| globe_pendant(m, pendant, 0.6, 0.17));
 
     base_units(m);

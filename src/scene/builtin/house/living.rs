@@ -10,7 +10,7 @@ use crate::scene::builtin::writer::{Model, Output};
 use glam::{DVec3, dvec3};
 
 pub(crate) fn living_room(m: &mut Model) {
-    let floor_light = m.lamp("Living room floor lamp", Output::White(1900.0, 3800.0), true);
+    let floor_light = m.lamp("Living room floor lamp", Output::White(2000.0, 4000.0), true);
     let screen = m.lamp("Television", Output::Coloured(150.0, [0.35, 0.58, 1.0]), true);
     let halo = m.lamp("Television accent strip", Output::Coloured(420.0, [0.42, 0.16, 1.0]), true);
 
@@ -39,7 +39,7 @@ pub(crate) fn living_room(m: &mut Model) {
 }
 
 pub(crate) fn gallery(m: &mut Model) {
-    let lights = m.lamp("Gallery downlights", Output::White(2500.0, 4500.0), true);
+    let lights = m.lamp("Gallery downlights", Output::White(2500.0, 5000.0), true);
     for x in [1.2, 3.3, 5.4, 7.5] {
         m.place([x, HEIGHT, 3.86], 0.0, |m| downlight(m, lights));
     }

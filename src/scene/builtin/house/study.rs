@@ -11,7 +11,7 @@ use glam::dvec3;
 
 pub(crate) fn study(m: &mut Model) {
     let desk = m.lamp("Desk lamp", Output::White(650.0, 5500.0), true);
-    let pendant = m.lamp("Study pendant", Output::White(1700.0, 3900.0), true);
+    let pendant = m.lamp("Study pendant", Output::White(1600.0, 4400.0), true);
     m.place([1.55, HEIGHT, 1.6], 0.0, |m| dome_pendant(m, pendant, 0.7, &BRASS));
 
     // The desk stands under the west window.
