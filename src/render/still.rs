@@ -188,6 +188,8 @@ impl StillInput<'_> {
         let value = interpolate(self.corner_radiosity, corners, weights);
         let Some(texture) = texture.and_then(|t| self.textures.get(t as usize)) else { return value };
         let uv: Vec2 = (0..3).map(|k| self.mesh.corners[corners[k] as usize].uv * weights[k]).sum();
+        // A sum of huge coordinates may overflow.
+        let uv = if uv.is_finite() { uv } else { Vec2::ZERO };
         let texel = texture.sample(uv.as_dvec2());
         std::array::from_fn(|b| value[b] * texel[b])
     }
