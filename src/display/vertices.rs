@@ -54,6 +54,7 @@ impl ShadingVertices {
                 }
             }
         }
+        found.leave_out_buried(mesh);
         let is_curved = |piece: &Piece| {
             let flat = region_normal(mesh, piece);
             mesh.corners_of(piece).iter().any(|c| c.normal.dot(flat) < 1.0 - 1e-9)
@@ -62,6 +63,16 @@ impl ShadingVertices {
             found.join(&kinds, mesh.size);
         }
         found
+    }
+
+    /// A patch under something that stands on it tells nothing of the light around it.
+    fn leave_out_buried(&mut self, mesh: &PatchMesh) {
+        let is_buried = |patch: u32| mesh.patches[patch as usize].buried;
+        let mut in_the_open = vec![false; self.vertices.len()];
+        for &(vertex, patch) in &self.incidences {
+            in_the_open[vertex as usize] |= !is_buried(patch);
+        }
+        self.incidences.retain(|&(vertex, patch)| !(in_the_open[vertex as usize] && is_buried(patch)));
     }
 
     /// Joins vertices of one kind that share position and normal; those without a kind stay alone.
