@@ -6,9 +6,10 @@ use egui_kittest::kittest::Queryable as _;
 use egui_kittest::{Harness, SnapshotOptions};
 use lumenwalk::ui::App;
 
-/// Adapters round differently: some pixels along edges may differ.
+/// Adapters round differently, and a better mesh moves the light a little: an eightieth of the
+/// pixels may differ. A control that moves, goes or is clipped changes more.
 fn options() -> SnapshotOptions {
-    SnapshotOptions::new().threshold(2.0).max_failed_pixels(3000)
+    SnapshotOptions::new().threshold(4.0).max_failed_pixels(12_800)
 }
 
 /// Mean of the sRGB codes of the view, 0 to 255.
