@@ -1,6 +1,6 @@
 //! A closed room after the picture of Cohen and Greenberg 1985: one red wall, one blue, two boxes.
 
-use super::shapes::Faces;
+use super::shapes::{Faces, rectangle, square};
 use super::writer::{Model, Output, Paint};
 use glam::{DVec3, dvec3};
 
@@ -15,6 +15,18 @@ const ROOM: DVec3 = dvec3(3.2, 2.6, 4.0);
 /// The ceiling lamp, x from, x to, z from, z to; flush with the ceiling.
 const LAMP: [f64; 4] = [1.1, 2.1, 1.2, 2.2];
 
+/// A box on the floor; metres and degrees.
+struct Block {
+    x: f64,
+    z: f64,
+    half: f64,
+    height: f64,
+    turn_deg: f64,
+}
+
+const WHITE_BOX: Block = Block { x: 0.95, z: 1.05, half: 0.4, height: 1.5, turn_deg: 33.0 };
+const YELLOW_BOX: Block = Block { x: 2.2, z: 1.65, half: 0.36, height: 0.72, turn_deg: -36.0 };
+
 pub(crate) fn model() -> Model {
     let mut m = Model::new(("m", 1.0), 0.18);
     m.view("Room", [1.6, 1.42, 3.96], [1.6, 1.22, 0.0], 64.0);
@@ -24,7 +36,8 @@ pub(crate) fn model() -> Model {
 
     let DVec3 { x, y, z } = ROOM;
     m.object("floor").paint(&WHITE);
-    m.quad(dvec3(0.0, 0.0, z), dvec3(x, 0.0, 0.0), dvec3(0.0, 0.0, -z));
+    let feet = [WHITE_BOX, YELLOW_BOX].map(|b| square(dvec3(b.x, 0.0, b.z), b.half, b.turn_deg));
+    m.pierced(&rectangle([0.0, 0.0], [x, z], 0.0), &feet);
     m.object("ceiling");
     m.panel(dvec3(0.0, y, 0.0), (DVec3::X, x), (DVec3::Z, z), &[LAMP]);
     m.glow(lamp, 1.0, [0.75, 0.75, 0.74]);
@@ -36,13 +49,11 @@ pub(crate) fn model() -> Model {
     m.object("red_wall").paint(&RED).wall(dvec3(0.0, 0.0, z), -DVec3::Z, z, y, &[]);
     m.object("blue_wall").paint(&BLUE).wall(dvec3(x, 0.0, 0.0), DVec3::Z, z, y, &[]);
 
-    m.object("white_box").paint(&WHITE);
-    m.place([0.95, 0.0, 1.05], 33.0, |m| {
-        m.block([-0.4, 0.0, -0.4], [0.4, 1.5, 0.4], Faces::STANDING);
-    });
-    m.object("yellow_box").paint(&YELLOW);
-    m.place([2.2, 0.0, 1.65], -36.0, |m| {
-        m.block([-0.36, 0.0, -0.36], [0.36, 0.72, 0.36], Faces::STANDING);
-    });
+    for (name, b, paint) in [("white_box", WHITE_BOX, &WHITE), ("yellow_box", YELLOW_BOX, &YELLOW)] {
+        m.object(name).paint(paint);
+        m.place([b.x, 0.0, b.z], b.turn_deg, |m| {
+            m.block([-b.half, 0.0, -b.half], [b.half, b.height, b.half], Faces::STANDING);
+        });
+    }
     m
 }

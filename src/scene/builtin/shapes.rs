@@ -1,7 +1,9 @@
 //! Shapes of which the embedded scenes are made. All fronts face outwards unless said otherwise.
 
 use super::writer::Model;
-use glam::{DVec3, dvec3};
+use crate::geometry::Frame;
+use crate::geometry::polygon::{area_vector, triangulate};
+use glam::{DVec2, DVec3, dvec3};
 use std::f64::consts::TAU;
 
 /// Which faces of a block are made.
@@ -25,8 +27,6 @@ impl Faces {
     pub(crate) const ALL: Self = Self(63);
     /// All but the bottom: a block that stands on something.
     pub(crate) const STANDING: Self = Self::ALL.without(Self::BOTTOM);
-    /// All but the top: a block that hangs from something.
-    pub(crate) const HANGING: Self = Self::ALL.without(Self::TOP);
     /// The four upright ones: a leg between a floor and a top.
     pub(crate) const UPRIGHT: Self = Self::STANDING.without(Self::TOP);
 
@@ -150,6 +150,25 @@ impl Model {
         self.polygon(&corners);
     }
 
+    /// A flat polygon with polygonal holes, as triangles: what things stand on, cut out under them,
+    /// so that a closed scene has no hidden surfaces. The front is that of `outline`; the holes lie
+    /// inside it, in any order of corners.
+    pub(crate) fn pierced(&mut self, outline: &[DVec3], holes: &[Vec<DVec3>]) {
+        let normal = area_vector(outline).normalize();
+        let frame = Frame::around(normal);
+        let flat = |p: &DVec3| frame.local(*p).truncate();
+        let outer: Vec<DVec2> = outline.iter().map(flat).collect();
+        let inner: Vec<Vec<DVec2>> = holes.iter().map(|h| h.iter().map(flat).collect()).collect();
+        let corners: Vec<DVec3> = outline.iter().chain(holes.iter().flatten()).copied().collect();
+        for triangle in triangulate(&outer, &inner) {
+            let mut triangle = triangle.map(|k| corners[k as usize]);
+            if area_vector(&triangle).dot(normal) < 0.0 {
+                triangle.swap(1, 2);
+            }
+            self.polygon(&triangle);
+        }
+    }
+
     /// A horizontal square of half edge `half` around `centre` with a round hole, of `sides` corners
     /// (a multiple of eight), for a column that stands on it or carries it; facing up or down.
     pub(crate) fn collar(&mut self, centre: DVec3, half: f64, radius: f64, sides: usize, up: bool) {
@@ -227,6 +246,19 @@ impl Model {
     }
 }
 
+/// Corners of a square of half edge `half` around `centre`, turned by `turn_deg` as
+/// [`Model::place`] turns.
+pub(crate) fn square(centre: DVec3, half: f64, turn_deg: f64) -> Vec<DVec3> {
+    let (sin, cos) = turn_deg.to_radians().sin_cos();
+    let corners = [(-half, half), (half, half), (half, -half), (-half, -half)];
+    corners.map(|(x, z)| centre + dvec3(x * cos + z * sin, 0.0, z * cos - x * sin)).to_vec()
+}
+
+/// Corners of a regular polygon around `centre` in a horizontal plane, as those of a lathe.
+pub(crate) fn circle(centre: DVec3, radius: f64, sides: usize) -> Vec<DVec3> {
+    (0..sides).map(|k| centre + radius * spoke(k, sides)).collect()
+}
+
 /// Unit vector in the horizontal plane to the k-th of `sides` corners.
 fn spoke(k: usize, sides: usize) -> DVec3 {
     let angle = TAU * k as f64 / sides as f64;
@@ -234,7 +266,7 @@ fn spoke(k: usize, sides: usize) -> DVec3 {
 }
 
 /// Corners at height y, counter-clockwise as seen from above.
-fn rectangle(min: [f64; 2], max: [f64; 2], y: f64) -> [DVec3; 4] {
+pub(crate) fn rectangle(min: [f64; 2], max: [f64; 2], y: f64) -> [DVec3; 4] {
     [dvec3(min[0], y, max[1]), dvec3(max[0], y, max[1]), dvec3(max[0], y, min[1]), dvec3(min[0], y, min[1])]
 }
 
