@@ -158,6 +158,24 @@ impl LineSampler {
                 seen.ratio = (exact / (seen.total * per_line)).clamp(0.25, 4.0);
             }
         }
+        // The visible spans fill what the point sees without a gap; scaling region by region must not
+        // change their sum. What it adds to lamps, whose share matters most, others make up for.
+        let (mut filled, mut lamps, mut others) = (0.0, 0.0, 0.0);
+        for &(_, amount, seen) in &self.pieces {
+            let seen = &self.seen[seen as usize];
+            filled += amount;
+            if scene.regions[seen.region as usize].emits {
+                lamps += amount * seen.ratio;
+            } else {
+                others += amount * seen.ratio;
+            }
+        }
+        let evened = if others > 0.0 { ((filled - lamps) / others).clamp(0.5, 2.0) } else { 1.0 };
+        for seen in &mut self.seen {
+            if !scene.regions[seen.region as usize].emits {
+                seen.ratio *= evened;
+            }
+        }
         for &(patch, amount, seen) in &self.pieces {
             row.add(patch, amount * per_line * self.seen[seen as usize].ratio);
         }
