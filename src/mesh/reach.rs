@@ -12,9 +12,9 @@ use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 
 /// Paths from each side.
-const PATHS: u64 = 48;
+const PATHS: u64 = 32;
 /// Points on a path, its start included.
-const BOUNCES: u64 = 6;
+const BOUNCES: u64 = 4;
 /// This many paths must find light: a single one may have slipped through the seam of two faces.
 const ENOUGH: u32 = 2;
 
@@ -86,21 +86,20 @@ impl<'a> Search<'a> {
     fn side(&self, index: usize, side: Side) -> Reach {
         let outline = &self.outlines[index];
         let emits = outline.luminaire.is_some() && (side == Side::Front || outline.emits_back);
-        match self.scene.materials[outline.material as usize].sides {
-            _ if emits => Reach::Lit,
-            Sides::Both => Reach::Lit,
-            Sides::Front if side == Side::Front => Reach::Lit,
-            Sides::Front => Reach::Black,
-            // Without a lamp nothing is lit; every front is kept, so that there is something to see.
-            Sides::Auto if self.lamps.is_empty() && side == Side::Front => Reach::Lit,
-            Sides::Auto if self.lamps.is_empty() => Reach::Black,
-            Sides::Auto => {
-                let starts: Vec<DVec3> =
-                    sample_points(outline, 12).into_iter().map(|p| outline.world(p)).collect();
-                let seed = 2 * index as u64 + side as u64;
-                let lit = self.is_lit(&starts, outline.frame.normal * side.sign(), seed, PATHS, ENOUGH);
-                if lit { Reach::Lit } else { Reach::Dark }
-            }
+        let sides = self.scene.materials[outline.material as usize].sides;
+        if emits || sides == Sides::Both || (sides == Sides::Front && side == Side::Front) {
+            return Reach::Lit;
+        }
+        if self.lamps.is_empty() {
+            // Nothing is lit; every front is kept, so that there is something to see.
+            return if side == Side::Front { Reach::Lit } else { Reach::Black };
+        }
+        let starts: Vec<DVec3> = sample_points(outline, 12).into_iter().map(|p| outline.world(p)).collect();
+        let seed = 2 * index as u64 + side as u64;
+        match self.is_lit(&starts, outline.frame.normal * side.sign(), seed, PATHS, ENOUGH) {
+            false => Reach::Dark,
+            true if sides == Sides::Front => Reach::Black,
+            true => Reach::Lit,
         }
     }
 
@@ -115,9 +114,9 @@ impl<'a> Search<'a> {
             .par_iter()
             .enumerate()
             .map(|(index, patch)| {
-                let auto = self.scene.materials[patch.material as usize].sides == Sides::Auto;
+                let by_reach = self.scene.materials[patch.material as usize].sides != Sides::Both;
                 let seed = (1 << 40) + 64 * index as u64;
-                if !auto
+                if !by_reach
                     || patch.luminaire.is_some()
                     || self.lamps.is_empty()
                     || self.is_lit(&[patch.centre], patch.normal, seed, PATHS / 3, 1)
