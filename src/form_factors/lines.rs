@@ -84,6 +84,8 @@ struct Seen {
     v_offset: f64,
     /// What its spans are scaled by: the closed form over `total`.
     ratio: f64,
+    /// Nothing stands before it, so that its closed form is its form factor.
+    is_whole: bool,
     /// Sums of its intervals and of the visible ones among them.
     total: f64,
     visible: f64,
@@ -151,30 +153,24 @@ impl LineSampler {
             self.lines[k] = line;
         }
         // The lines' own error on a whole region is known, and is taken out of its visible part.
+        let (mut whole, mut partly, mut sampled) = (0.0, 0.0, 0.0);
         for seen in &mut self.seen {
-            if seen.visible > 0.0
-                && let Some(exact) = lambert(scene, &scene.regions[seen.region as usize], point, &frame)
-            {
-                seen.ratio = (exact / (seen.total * per_line)).clamp(0.25, 4.0);
+            if seen.visible > 0.0 {
+                sampled += seen.visible * per_line;
+                let exact = lambert(scene, &scene.regions[seen.region as usize], point, &frame);
+                if let Some(exact) = exact {
+                    seen.ratio = (exact / (seen.total * per_line)).clamp(0.25, 4.0);
+                    seen.is_whole = seen.visible > (1.0 - 1e-9) * seen.total;
+                }
+                *(if seen.is_whole { &mut whole } else { &mut partly }) +=
+                    seen.visible * per_line * seen.ratio;
             }
         }
-        // The visible spans fill what the point sees without a gap; scaling region by region must not
-        // change their sum. What it adds to lamps, whose share matters most, others make up for.
-        let (mut filled, mut lamps, mut others) = (0.0, 0.0, 0.0);
-        for &(_, amount, seen) in &self.pieces {
-            let seen = &self.seen[seen as usize];
-            filled += amount;
-            if scene.regions[seen.region as usize].emits {
-                lamps += amount * seen.ratio;
-            } else {
-                others += amount * seen.ratio;
-            }
-        }
-        let evened = if others > 0.0 { ((filled - lamps) / others).clamp(0.5, 2.0) } else { 1.0 };
-        for seen in &mut self.seen {
-            if !scene.regions[seen.region as usize].emits {
-                seen.ratio *= evened;
-            }
+        // What is seen whole is now exact; what is seen in part, and the sky, fill the rest.
+        let sky = 1.0 - sampled;
+        let fill = ((1.0 - whole) / (partly + sky).max(f64::MIN_POSITIVE)).clamp(0.8, 1.25);
+        for seen in self.seen.iter_mut().filter(|seen| !seen.is_whole) {
+            seen.ratio *= fill;
         }
         for &(patch, amount, seen) in &self.pieces {
             row.add(patch, amount * per_line * self.seen[seen as usize].ratio);
@@ -250,13 +246,14 @@ impl LineSampler {
             }
             let scale = -1.0 / m.z;
             let (slope_x, slope_y) = (m.x * scale, m.y * scale);
-            // A slope that is rounding error alone: the edge goes through the axis, and is met there,
-            // or points along the half-planes, and its crossing is held between its ends.
+            // A slope that is rounding error alone: the edge goes through the axis or ends on it, and is
+            // met there, or points along the half-planes, and its crossing is held between its ends.
             let radial = m.z.abs() <= 1e-9 * (m.x.abs() + m.y.abs());
             let (mut on_axis, mut limits) = (None, [0.0; 2]);
             if radial {
                 let (p_reach, q_reach) = (p.x.hypot(p.y), q.x.hypot(q.y));
-                if p.x * q.x + p.y * q.y < 0.0 {
+                let (short, long) = (p_reach.min(q_reach), p_reach.max(q_reach));
+                if p.x * q.x + p.y * q.y < 0.0 || short <= 1e-9 * long {
                     on_axis = Some(if p.z * q_reach + q.z * p_reach > 0.0 { -1.0 } else { 1.0 });
                 }
                 let (a, b) = (p.z / p_reach.max(f64::MIN_POSITIVE), q.z / q_reach.max(f64::MIN_POSITIVE));
@@ -341,6 +338,7 @@ impl LineSampler {
             u_offset: region.u_axis.dot(from_origin),
             v_offset: region.v_axis.dot(from_origin),
             ratio: 1.0,
+            is_whole: false,
             total,
             visible: 0.0,
         });

@@ -50,7 +50,7 @@ impl FormFactors {
     /// 1. Each pair takes the mean of its two samples; a lamp's the receiver's, who sees it better.
     /// 2. Close pairs take closed forms times their visible fraction.
     /// 3. A symmetric scaling (Sinkhorn & Knopp 1967) gives every row its sum: one where the point
-    ///    saw no opening, else what was sampled.
+    ///    saw no opening, else what was sampled and then mended for close pairs.
     ///
     /// Polls `cancelled` often; `None` if it says so.
     pub fn assemble(
@@ -82,6 +82,10 @@ impl FormFactors {
             return None;
         }
         let sums: Vec<f64> = rows.par_iter().map(Row::sum).collect();
+        let targets: Vec<f64> = (0..n)
+            .into_par_iter()
+            .map(|i| mesh.patches[i].area * HEADROOM * row_target(mesh, &rows, &close, i, sums[i]))
+            .collect();
         drop(rows);
         let entries = blocks.iter().map(|b| b.columns.len()).sum();
         let mut matrix = Self {
@@ -104,11 +108,6 @@ impl FormFactors {
         }
         let near_one = |s: &&f64| (**s - 1.0).abs() < 0.01;
         let worst_closure = sums.iter().filter(near_one).map(|s| (s - 1.0).abs()).fold(0.0, f64::max);
-        let targets: Vec<f64> = sums
-            .iter()
-            .zip(&matrix.areas)
-            .map(|(&s, &a)| a * HEADROOM * if s > 1.0 - CLOSED { 1.0 } else { s })
-            .collect();
         let (passes, imbalance) = matrix.balance(&targets, cancelled);
         let report = AssembleReport {
             worst_closure,
@@ -227,6 +226,29 @@ impl FormFactors {
         let (_, values) = self.row(i);
         (values.iter().map(|&v| f64::from(v)).sum::<f64>() + self.diagonal[i]) / self.areas[i]
     }
+}
+
+/// What row i must sum to: 1 less the sky as sampled, where closed forms did not change its share.
+///
+/// What a close pair gains over its sample the others lose, sky and patches alike. Without sky the
+/// sum stays 1; where close pairs are all that is seen, it becomes that of their closed forms.
+fn row_target(mesh: &PatchMesh, rows: &[Row], close: &[Vec<(u32, f64)>], i: usize, sum: f64) -> f64 {
+    if sum > 1.0 - CLOSED {
+        return 1.0;
+    }
+    let row = &rows[i];
+    let area = mesh.patches[i].area;
+    let (mut exact, mut sampled) = (0.0, 0.0);
+    for &j in &row.patches {
+        let (low, high) = if (i as u32) < j { (i, j) } else { (j as usize, i as u32) };
+        if let Ok(at) = close[low].binary_search_by_key(&high, |pair| pair.0) {
+            exact += close[low][at].1 / area;
+            sampled += row.get(j);
+        }
+    }
+    let sky = 1.0 - sum;
+    let others = sky + (sum - sampled).max(0.0);
+    sum + (exact - sampled) * sky / others
 }
 
 /// A run of assembled rows.

@@ -199,7 +199,9 @@ fn sample_points(outline: &Outline, count: usize) -> Vec<DVec2> {
                 if s + t > 1.0 {
                     (s, t) = (1.0 - s, 1.0 - t);
                 }
-                points.push(a + (b - a) * s + (c - a) * t);
+                // Off the rim, from which a path could leave a closed body.
+                let middle = (a + b + c) / 3.0;
+                points.push(middle + (a + (b - a) * s + (c - a) * t - middle) * 0.98);
                 due += step;
             }
             sum += area;
