@@ -55,7 +55,9 @@ pub(super) fn seconds(seconds: f64) -> String {
     } else if seconds < 120.0 {
         format!("{seconds:.0} s")
     } else {
-        format!("{:.0} min {:.0} s", (seconds / 60.0).floor(), seconds % 60.0)
+        // Rounded before it is taken apart, so that no minute has sixty seconds.
+        let whole = seconds.round() as u64;
+        format!("{} min {} s", whole / 60, whole % 60)
     }
 }
 
@@ -108,6 +110,7 @@ mod tests {
         assert_eq!(seconds(0.345), "0.34 s");
         assert_eq!(seconds(61.2), "61 s");
         assert_eq!(seconds(200.0), "3 min 20 s");
+        assert_eq!(seconds(599.7), "10 min 0 s");
         assert_eq!(seconds(f64::NAN), "unknown");
         assert_eq!(significant(0.004_123), "0.00412");
         assert_eq!(significant(48.12), "48.1");

@@ -35,7 +35,8 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
         Ok(()) => Ok(()),
         Err(UiError::NoDisplay(reason)) => {
             text::complain(&format!(
-                "no window can be opened here ({reason}), so the scene is solved without one"
+                "no window can be opened here ({}), so the scene is solved without one",
+                plain(&reason)
             ));
             headless(name, &arguments.options)
         }
@@ -69,6 +70,13 @@ fn headless(name: &str, options: &SolveOptions) -> Result<(), Failure> {
     text::print(&format!("{summary}wrote {}\n", path.display()))
 }
 
+/// A reason without the place in the windowing library's source that stands before it.
+fn plain(reason: &str) -> &str {
+    let at_fault = |at: usize| reason[at..].find(": ").map_or(0, |end| at + end + 2);
+    let start = reason.rfind(".rs:").map_or(0, at_fault);
+    reason[start..].trim_end_matches('.')
+}
+
 /// `lumenwalk-NAME.png` in the current folder, whatever the name holds.
 fn picture_path(name: &str) -> PathBuf {
     let safe: String = name
@@ -82,6 +90,14 @@ fn picture_path(name: &str) -> PathBuf {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn reasons_are_told_without_places_in_sources() {
+        let told = "winit EventLoopError: os error at /a/b: c/mod.rs:765: DISPLAY is not set.";
+        assert_eq!(plain(told), "DISPLAY is not set");
+        assert_eq!(plain("no adapter: none found"), "no adapter: none found");
+        assert_eq!(plain("x.rs:7"), "x.rs:7");
+    }
 
     #[test]
     fn the_picture_stays_in_the_current_folder() {

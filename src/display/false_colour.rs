@@ -117,7 +117,9 @@ fn even_steps(low: f64, high: f64, most: usize) -> Vec<f64> {
     }
     let first = (low / step - 1e-9).ceil();
     // Adding zero turns -0 into 0.
-    (0..count(step).max(0.0) as usize).map(|k| (first + k as f64) * step + 0.0).collect()
+    let values: Vec<f64> =
+        (0..count(step).max(0.0) as usize).map(|k| (first + k as f64) * step + 0.0).collect();
+    if values.len() < 2 { vec![low, high] } else { values }
 }
 
 fn decades(low: f64, high: f64, most: usize) -> Vec<f64> {

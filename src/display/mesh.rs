@@ -1,14 +1,12 @@
-use super::weights::{PARALLEL_FROM, ShadingVertex, VertexWeights};
+use super::vertices::{ShadingVertices, region_normal};
+use super::weights::{PARALLEL_FROM, VertexWeights};
 use crate::geometry::Aabb;
-use crate::mesh::{NO_PATCH, PatchMesh, Piece, Side};
+use crate::mesh::{NO_PATCH, PatchMesh, Side};
 use crate::scene::Scene;
 use glam::{DVec3, Vec2, Vec3};
 use rayon::prelude::*;
 use std::collections::HashMap;
 use std::ops::Range;
-
-/// Smooth normals within this cosine (1.8 degrees) belong to one smooth surface.
-const SAME_NORMAL: f64 = 0.9995;
 
 /// How patch values spread over the surfaces.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
@@ -100,14 +98,16 @@ impl DisplayMesh {
             ..Self::default()
         };
         built.find_textures(mesh, scene);
-        let vertex_of_corner = built.add_weights(mesh, smooth);
-        let blocks = built.add_corners(mesh, smooth, &vertex_of_corner);
+        let ShadingVertices { vertices, incidences, of_corner } = ShadingVertices::find(mesh, smooth);
+        let centres: Vec<DVec3> = mesh.patches.iter().map(|p| p.centre).collect();
+        built.weights = VertexWeights::build(&vertices, incidences, &centres);
+        let blocks = built.add_corners(mesh, smooth, &of_corner);
         built.add_triangles(mesh, &blocks);
         built.add_edges(mesh, &blocks);
         built
     }
 
-    /// Decides which patches show their texture: those with one that do not shine.
+    /// Decides which patches show their texture: those that were sampled from one and do not shine.
     fn find_textures(&mut self, mesh: &PatchMesh, scene: &Scene) {
         self.patch_textures = vec![None; mesh.patches.len()];
         for (index, patch) in mesh.patches.iter().enumerate() {
@@ -116,54 +116,16 @@ impl DisplayMesh {
             let has_uvs = surface.is_some_and(|s| s.corners.iter().all(|c| c.uv.is_some()));
             let shines = patch.luminaire.is_some() && patch.emission_weight.iter().any(|&e| e > 0.0);
             let known = material.texture.filter(|&t| (t as usize) < scene.textures.len());
-            let Some(texture) = known.filter(|_| has_uvs && !shines) else { continue };
+            // An average of one is that of a white spot, or of a mesh made without textures.
+            let drawn = known.filter(|_| has_uvs && !shines && patch.texture_average != [1.0; 3]);
+            let Some(texture) = drawn else { continue };
             self.patch_textures[index] = Some(texture);
-            let factor = material.reflectance;
             self.textured.push(TexturedPatch {
                 patch: index as u32,
-                mean: std::array::from_fn(|b| {
-                    if factor[b] > 0.0 { (patch.reflectance[b] / factor[b]) as f32 } else { 0.0 }
-                }),
-                factor: factor.map(|f| f as f32),
+                mean: patch.texture_average.map(|x| x as f32),
+                factor: material.reflectance.map(|x| x as f32),
             });
         }
-    }
-
-    /// Makes the shading vertices and their weights. Returns, for each corner of the patch mesh
-    /// and side, the shading vertex: at `2 * corner + side`, zero where that side has no patch.
-    fn add_weights(&mut self, mesh: &PatchMesh, smooth: bool) -> Vec<u32> {
-        let mut groups = Groups::default();
-        let mut vertex_of_corner = vec![0_u32; 2 * mesh.corners.len()];
-        let mut incidences = Vec::new();
-        for piece in &mesh.pieces {
-            for side in [Side::Front, Side::Back] {
-                let patch = piece.patches[side as usize];
-                if patch == NO_PATCH {
-                    continue;
-                }
-                let luminaire = mesh.patches[patch as usize].luminaire;
-                for k in 0..piece.corners.len() {
-                    let corner = piece.corners.start as usize + k;
-                    let vertex = groups.vertex(mesh, piece, corner, side, luminaire, smooth);
-                    groups.vertices[vertex as usize].angle += corner_angle(mesh, piece, k);
-                    vertex_of_corner[2 * corner + side as usize] = vertex;
-                    incidences.push((vertex, patch));
-                }
-            }
-        }
-        let is_curved = |piece: &Piece| {
-            mesh.corners_of(piece).iter().any(|c| c.normal.dot(region_normal(mesh, piece)) < 1.0 - 1e-9)
-        };
-        if smooth && mesh.pieces.iter().any(is_curved) {
-            let joined = groups.join(mesh.size);
-            incidences.iter_mut().for_each(|pair| pair.0 = joined[pair.0 as usize]);
-            for vertex in &mut vertex_of_corner {
-                *vertex = joined.get(*vertex as usize).copied().unwrap_or(0);
-            }
-        }
-        let centres: Vec<DVec3> = mesh.patches.iter().map(|p| p.centre).collect();
-        self.weights = VertexWeights::build(&groups.vertices, incidences, &centres);
-        vertex_of_corner
     }
 
     /// Makes the corners, lit ones first. Returns where those of each piece start: `2 * piece + side`.
@@ -335,82 +297,5 @@ impl DisplayMesh {
         } else {
             lit.iter().map(one).collect()
         }
-    }
-}
-
-fn region_normal(mesh: &PatchMesh, piece: &Piece) -> DVec3 {
-    mesh.regions[piece.region as usize].frame.normal
-}
-
-/// The angle at corner `k` of a piece, radians; zero where an edge has no length.
-fn corner_angle(mesh: &PatchMesh, piece: &Piece, k: usize) -> f64 {
-    let corners = mesh.corners_of(piece);
-    let at = |i: usize| corners[i % corners.len()].plane;
-    let (back, ahead) = (at(k + corners.len() - 1) - at(k), at(k + 1) - at(k));
-    let angle = ahead.angle_to(back).abs();
-    if angle.is_finite() { angle } else { 0.0 }
-}
-
-/// Mesh vertices told apart by the smooth surface that they belong to.
-#[derive(Default)]
-struct Groups {
-    vertices: Vec<ShadingVertex>,
-    /// Object, material and luminaire of each.
-    kinds: Vec<[u32; 3]>,
-    known: HashMap<[u32; 4], u32>,
-}
-
-impl Groups {
-    /// The shading vertex of a corner on a side, made where it is new.
-    fn vertex(
-        &mut self,
-        mesh: &PatchMesh,
-        piece: &Piece,
-        corner: usize,
-        side: Side,
-        luminaire: Option<u32>,
-        smooth: bool,
-    ) -> u32 {
-        let from = &mesh.corners[corner];
-        let luminaire = luminaire.map_or(0, |l| l + 1);
-        *self.known.entry([from.vertex, piece.region, side as u32, luminaire]).or_insert_with(|| {
-            let region = &mesh.regions[piece.region as usize];
-            let normal = if smooth { from.normal } else { region.frame.normal };
-            self.vertices.push(ShadingVertex {
-                position: mesh.vertices[from.vertex as usize],
-                normal: normal * side.sign(),
-                angle: 0.0,
-            });
-            self.kinds.push([region.object, region.material, luminaire]);
-            self.vertices.len() as u32 - 1
-        })
-    }
-
-    /// Joins vertices of one kind that share position and normal. Returns the new index of each.
-    fn join(&mut self, size: f64) -> Vec<u32> {
-        // Not a multiple of anything that coordinates tend to be multiples of.
-        let cell = (size * 1.378_1e-6).max(1e-12);
-        let mut at_place: HashMap<([i64; 3], [u32; 3]), Vec<u32>> = HashMap::new();
-        let mut kept: Vec<ShadingVertex> = Vec::new();
-        let old = std::mem::take(&mut self.vertices);
-        let joined = old
-            .into_iter()
-            .zip(&self.kinds)
-            .map(|(vertex, &kind)| {
-                let place = (vertex.position / cell + 0.373_71).floor().as_i64vec3().to_array();
-                let here = at_place.entry((place, kind)).or_default();
-                let same =
-                    here.iter().copied().find(|&v| kept[v as usize].normal.dot(vertex.normal) > SAME_NORMAL);
-                if let Some(index) = same {
-                    kept[index as usize].angle += vertex.angle;
-                    return index;
-                }
-                here.push(kept.len() as u32);
-                kept.push(vertex);
-                kept.len() as u32 - 1
-            })
-            .collect();
-        self.vertices = kept;
-        joined
     }
 }

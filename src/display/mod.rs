@@ -7,6 +7,7 @@ mod colour_map;
 mod false_colour;
 mod mesh;
 mod tone;
+mod vertices;
 mod weights;
 
 pub use colour_map::ColourMap;

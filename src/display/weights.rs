@@ -27,14 +27,17 @@ pub(super) struct ShadingVertex {
 ///
 /// Inside a surface a vertex takes the mean of the patches around it. At a border the plane
 /// through their values and those of the next ring is extrapolated (Cohen & Greenberg 1985,
-/// figure 9, by least squares so that any outline will do), held within half the spread of what
-/// was read, so that nothing turns negative.
+/// figure 9, by least squares so that any outline will do). The outcome is held as near to the
+/// patches that touch the vertex as the middle one of the next ring is to their mean: a shadow
+/// that begins in the ring is not drawn to the border, and nothing turns negative.
 #[derive(Clone, Debug, Default)]
 pub(super) struct VertexWeights {
     /// For each vertex where its entries start; one more at the end.
     starts: Vec<u32>,
-    /// Patches and their weights; those of a vertex sum to one.
+    /// Patches and their weights, those that touch the vertex first; those of a vertex sum to one.
     entries: Vec<(u32, f32)>,
+    /// How many patches touch each vertex.
+    touching: Vec<u32>,
 }
 
 impl VertexWeights {
@@ -55,11 +58,14 @@ impl VertexWeights {
             .map(|(index, vertex)| {
                 let mut patches = around_vertex.row(index).to_vec();
                 if vertex.angle < CLOSED_TURN {
-                    let ring = around_vertex.row(index).iter();
-                    let next = ring.flat_map(|&p| around_patch.row(p as usize));
-                    patches.extend(next.flat_map(|&v| around_vertex.row(v as usize)));
-                    patches.sort_unstable();
-                    patches.dedup();
+                    let near = around_vertex.row(index).iter();
+                    let next = near.flat_map(|&p| around_patch.row(p as usize));
+                    let mut ring: Vec<u32> =
+                        next.flat_map(|&v| around_vertex.row(v as usize)).copied().collect();
+                    ring.sort_unstable();
+                    ring.dedup();
+                    ring.retain(|p| !patches.contains(p));
+                    patches.extend(ring);
                 }
                 let offsets = patches.iter().map(|&p| centres[p as usize] - vertex.position);
                 let weights = plane_weights(&tangential(vertex.normal, offsets));
@@ -73,7 +79,8 @@ impl VertexWeights {
             sum += list.len() as u32;
             sum
         }));
-        Self { starts, entries: lists.concat() }
+        let touching = (0..vertices.len()).map(|v| around_vertex.row(v).len() as u32).collect();
+        Self { starts, entries: lists.concat(), touching }
     }
 
     /// Vertices.
@@ -85,22 +92,20 @@ impl VertexWeights {
     pub(super) fn gather<const N: usize>(&self, patch_values: &[[f32; N]]) -> Vec<[f32; N]> {
         let one = |vertex: usize| {
             let entries = &self.entries[self.starts[vertex] as usize..self.starts[vertex + 1] as usize];
-            let mut sum = [0.0_f32; N];
-            let (mut low, mut high) = ([f32::INFINITY; N], [f32::NEG_INFINITY; N]);
-            for &(patch, weight) in entries {
-                let value = patch_values.get(patch as usize).copied().unwrap_or([0.0; N]);
-                for band in 0..N {
-                    let x = if value[band].is_finite() { value[band] } else { 0.0 };
-                    sum[band] += weight * x;
-                    low[band] = low[band].min(x);
-                    high[band] = high[band].max(x);
-                }
-            }
+            let touching = self.touching[vertex] as usize;
+            let value_of = |patch: u32, band: usize| {
+                let value = patch_values.get(patch as usize).map_or(0.0, |v| v[band]);
+                if value.is_finite() { value } else { 0.0 }
+            };
             std::array::from_fn(|band| {
-                let (low, high) = (low[band], high[band]);
-                let margin = 0.5 * (high - low);
+                let sum: f32 = entries.iter().map(|&(patch, weight)| weight * value_of(patch, band)).sum();
+                let near = entries[..touching].iter().map(|e| value_of(e.0, band));
+                let (low, high) =
+                    near.clone().fold((f32::INFINITY, f32::NEG_INFINITY), |(l, h), x| (l.min(x), h.max(x)));
+                let mean = near.sum::<f32>() / touching.max(1) as f32;
+                let margin = middle_distance(entries[touching..].iter().map(|e| value_of(e.0, band)), mean);
                 let floor = if low >= 0.0 { (low - margin).max(0.5 * low) } else { low - margin };
-                let held = sum[band].max(floor).min(high + margin);
+                let held = sum.max(floor).min(high + margin);
                 if held.is_finite() { held } else { 0.0 }
             })
         };
@@ -110,6 +115,18 @@ impl VertexWeights {
             (0..self.len()).map(one).collect()
         }
     }
+}
+
+/// The middle one of the distances of `values` from `mean`; of a great many the first 16 count.
+fn middle_distance(values: impl Iterator<Item = f32>, mean: f32) -> f32 {
+    let mut distances = [0.0_f32; 16];
+    let mut count = 0;
+    for (slot, value) in distances.iter_mut().zip(values) {
+        *slot = (value - mean).abs();
+        count += 1;
+    }
+    distances[..count].sort_unstable_by(f32::total_cmp);
+    if count == 0 { 0.0 } else { distances[count / 2] }
 }
 
 /// Rows of numbers of different length, one after another.
@@ -209,9 +226,14 @@ mod tests {
 
     #[test]
     fn extrapolation_is_held_and_broken_values_are_dropped() {
-        let weights = VertexWeights { starts: vec![0, 2], entries: vec![(0, 1.5), (1, -0.5)] };
+        let weights =
+            VertexWeights { starts: vec![0, 2], entries: vec![(0, 1.5), (1, -0.5)], touching: vec![1] };
         assert_eq!(weights.gather(&[[10.0], [1000.0]]), [[5.0]]);
         assert_eq!(weights.gather(&[[1000.0], [10.0]]), [[1495.0]]);
+        // One dark patch in a bright ring is not drawn out to the border.
+        let entries = vec![(0, 1.5), (1, 0.0), (2, 0.0), (3, -0.5)];
+        let weights = VertexWeights { starts: vec![0, 4], entries, touching: vec![1] };
+        assert_eq!(weights.gather(&[[10.0], [10.0], [10.0], [1.0]]), [[10.0]]);
         assert_eq!(weights.gather(&[[f32::NAN], [f32::INFINITY]]), [[0.0]]);
         assert_eq!(weights.gather::<1>(&[]), [[0.0]]);
     }

@@ -31,10 +31,10 @@ pub fn write(
     write_inner(path, fill).map_err(|source| ExportError::Write { path: path.to_owned(), source })
 }
 
-/// Finds out whether [`write`] could succeed, so that an hour's work is not begun in vain.
+/// Finds out whether [`write()`] could succeed, so that an hour's work is not begun in vain.
 ///
 /// # Errors
-/// As [`write`].
+/// As [`write()`].
 pub fn probe(path: &Path) -> Result<(), ExportError> {
     let attempt = || match place(path)? {
         Place::Direct(path) => File::options().write(true).open(path).map(drop),

@@ -17,7 +17,7 @@
 //! coordinates times it are linear in x. An edge seen from the receiver has cot(theta) =
 //! p cos(phi) + q sin(phi), with p and q from the cross product of its ends: no division a crossing.
 
-use super::occluders::{Cell, Occluders};
+use super::occluders::{Cell, Occluder, Occluders};
 use super::row::RowBuffer;
 use crate::geometry::Frame;
 use crate::mesh::{NO_PATCH, Side};
@@ -64,6 +64,12 @@ impl Interval {
     fn w(&self, x: f64) -> f64 {
         self.w0 + self.w1 * x
     }
+
+    /// Whether this one stands before `other` from `x` to the other's end: depths are linear, so both
+    /// ends tell.
+    fn hides(&self, other: &Self, x: f64) -> bool {
+        self.end >= other.end && self.w(x) >= other.w(x) && self.w(other.end) >= other.w(other.end)
+    }
 }
 
 /// A region above the horizon, in the receiver's frame.
@@ -97,6 +103,8 @@ pub struct LineSampler {
     active: Vec<Interval>,
     /// Patch, weight and region of every visible part.
     pieces: Vec<(u32, f64, u32)>,
+    /// Regions that may be seen from the present point.
+    candidates: Vec<u32>,
     /// Lamps above the horizon that no half-plane met.
     missed: Vec<u32>,
 }
@@ -129,9 +137,12 @@ impl LineSampler {
         if self.counts.len() < n {
             self.counts.resize(n, 0);
         }
-        for index in 0..scene.regions.len() {
-            self.cut_region(scene, fan, index, point, &frame);
+        let mut candidates = std::mem::take(&mut self.candidates);
+        scene.culling.candidates(point, frame.normal, scene.contact(), &mut candidates);
+        for &index in &candidates {
+            self.cut_region(scene, fan, index as usize, point, &frame);
         }
+        self.candidates = candidates;
         let per_line = 1.0 / n as f64;
         self.pieces.clear();
         for k in 0..n {
@@ -139,16 +150,44 @@ impl LineSampler {
             self.sweep(scene, &mut line, fan.directions[k]);
             self.lines[k] = line;
         }
+        // The lines' own error on a whole region is known, and is taken out of its visible part.
+        for seen in &mut self.seen {
+            if seen.visible > 0.0
+                && let Some(exact) = lambert(scene, &scene.regions[seen.region as usize], point, &frame)
+            {
+                seen.ratio = (exact / (seen.total * per_line)).clamp(0.25, 4.0);
+            }
+        }
+        // The visible spans fill what the point sees without a gap; scaling region by region must not
+        // change their sum. What it adds to lamps, whose share matters most, others make up for.
+        let (mut filled, mut lamps, mut others) = (0.0, 0.0, 0.0);
+        for &(_, amount, seen) in &self.pieces {
+            let seen = &self.seen[seen as usize];
+            filled += amount;
+            if scene.regions[seen.region as usize].emits {
+                lamps += amount * seen.ratio;
+            } else {
+                others += amount * seen.ratio;
+            }
+        }
+        let evened = if others > 0.0 { ((filled - lamps) / others).clamp(0.5, 2.0) } else { 1.0 };
+        for seen in &mut self.seen {
+            if !scene.regions[seen.region as usize].emits {
+                seen.ratio *= evened;
+            }
+        }
         for &(patch, amount, seen) in &self.pieces {
             row.add(patch, amount * per_line * self.seen[seen as usize].ratio);
         }
     }
 
-    /// Whether the last point saw a lamp in part: it lies in a penumbra.
+    /// Whether the last point saw a lamp that matters in part: it lies in a penumbra.
     pub fn in_penumbra(&self, scene: &Occluders) -> bool {
-        self.seen.iter().any(|s| {
+        let lamps = || self.seen.iter().filter(|s| scene.regions[s.region as usize].emits);
+        let largest = lamps().map(|s| s.total).fold(0.0, f64::max);
+        lamps().any(|s| {
             let fraction = s.visible / s.total;
-            scene.regions[s.region as usize].emits && fraction > 0.01 && fraction < 0.99
+            s.total > 0.1 * largest && fraction > 0.02 && fraction < 0.98
         })
     }
 
@@ -167,7 +206,7 @@ impl LineSampler {
             return;
         }
         let to_plane = region.normal.dot(region.origin - point);
-        if to_plane.abs() <= contact {
+        if to_plane.abs() <= contact || region.dark[usize::from(to_plane > 0.0)] {
             return;
         }
         // 2. Corners in the receiver's frame, with their azimuth counted in half-planes.
@@ -195,29 +234,9 @@ impl LineSampler {
         }
         self.touched.clear();
         let half_turn = 0.5 * n as f64;
-        let mut exact = 0.0;
-        let (mut rim_enter, mut rim_leave, mut rims) = (0.0, 0.0, 0);
         for &[a, b] in edges {
             let (p, q) = (self.local[a as usize], self.local[b as usize]);
             let m = p.cross(q);
-            // Lambert's term of the part of this edge above the horizon.
-            if p.z > 0.0 || q.z > 0.0 {
-                let (mut from, mut to) = (p, q);
-                if p.z <= 0.0 {
-                    from = p + (q - p) * (p.z / (p.z - q.z));
-                    rim_enter = from.y.atan2(from.x);
-                    rims += 1;
-                } else if q.z <= 0.0 {
-                    to = p + (q - p) * (p.z / (p.z - q.z));
-                    rim_leave = to.y.atan2(to.x);
-                    rims += 1;
-                }
-                let cross = from.cross(to);
-                let length = cross.length();
-                if length > 0.0 {
-                    exact += cross.z / length * length.atan2(from.dot(to));
-                }
-            }
             let (from, mut to) = (self.azimuth[a as usize], self.azimuth[b as usize]);
             // The short way round.
             if to - from > half_turn {
@@ -231,20 +250,27 @@ impl LineSampler {
             }
             let scale = -1.0 / m.z;
             let (slope_x, slope_y) = (m.x * scale, m.y * scale);
-            // An edge that points along a half-plane has a slope of rounding errors alone: its
-            // crossing is held between its ends.
+            // A slope that is rounding error alone: the edge goes through the axis, and is met there,
+            // or points along the half-planes, and its crossing is held between its ends.
             let radial = m.z.abs() <= 1e-9 * (m.x.abs() + m.y.abs());
-            let cot_of = |p: DVec3| p.z / p.x.hypot(p.y).max(f64::MIN_POSITIVE);
-            let limits = if radial { [cot_of(p), cot_of(q)] } else { [0.0; 2] };
+            let (mut on_axis, mut limits) = (None, [0.0; 2]);
+            if radial {
+                let (p_reach, q_reach) = (p.x.hypot(p.y), q.x.hypot(q.y));
+                if p.x * q.x + p.y * q.y < 0.0 {
+                    on_axis = Some(if p.z * q_reach + q.z * p_reach > 0.0 { -1.0 } else { 1.0 });
+                }
+                let (a, b) = (p.z / p_reach.max(f64::MIN_POSITIVE), q.z / q_reach.max(f64::MIN_POSITIVE));
+                limits = [a.min(b), a.max(b)];
+            }
             let mut k = (first as i64).rem_euclid(n as i64) as usize;
             for _ in 0..(end - first) as usize {
                 let [cos, sin] = fan.directions[k];
                 let mut cot = slope_x * cos + slope_y * sin;
                 if radial {
-                    cot = cot.max(limits[0].min(limits[1])).min(limits[0].max(limits[1]));
+                    cot = cot.max(limits[0]).min(limits[1]);
                 }
-                // NaN, which only an edge through the receiver's axis gives, falls to the horizon.
-                let x = if cot > 0.0 { (1.0 - cot) / (1.0 + cot) } else { 1.0 };
+                // NaN falls to the horizon.
+                let x = on_axis.unwrap_or(if cot > 0.0 { (1.0 - cot) / (1.0 + cot) } else { 1.0 });
                 let count = self.counts[k];
                 if count == 0 {
                     self.touched.push(k as u32);
@@ -256,16 +282,6 @@ impl LineSampler {
                     k = 0;
                 }
             }
-        }
-        // The polygon cut off at the horizon is closed along it.
-        if rims == 2 {
-            let mut turn = rim_enter - rim_leave;
-            if turn > TAU / 2.0 {
-                turn -= TAU;
-            } else if turn < -TAU / 2.0 {
-                turn += TAU;
-            }
-            exact += turn;
         }
 
         // 4. Pair the crossings of each half-plane.
@@ -308,15 +324,12 @@ impl LineSampler {
                 }
             }
         }
-        let exact = exact.abs() / TAU;
         if total <= 0.0 {
-            if region.emits && exact > 0.0 {
+            if region.emits {
                 self.missed.push(index as u32);
             }
             return;
         }
-        // The lines' own error on the whole region is known, and is taken out of its visible part.
-        let ratio = if rims <= 2 && exact > 0.0 { (exact * n as f64 / total).clamp(0.25, 4.0) } else { 1.0 };
         let u = frame.local(region.u_axis);
         let v = frame.local(region.v_axis);
         let from_origin = point - region.origin;
@@ -327,7 +340,7 @@ impl LineSampler {
             v: v.to_array(),
             u_offset: region.u_axis.dot(from_origin),
             v_offset: region.v_axis.dot(from_origin),
-            ratio,
+            ratio: 1.0,
             total,
             visible: 0.0,
         });
@@ -345,12 +358,27 @@ impl LineSampler {
                 x = line[next].start;
             }
             while next < line.len() && line[next].start <= x {
-                self.active.push(line[next]);
+                let new = line[next];
                 next += 1;
+                if !self.active.iter().any(|old| old.hides(&new, x)) {
+                    self.active.retain(|old| !new.hides(old, x));
+                    self.active.push(new);
+                }
             }
-            let mut end = if next < line.len() { line[next].start } else { f64::INFINITY };
+            let mut end = f64::INFINITY;
             for interval in &self.active {
-                end = end.min(interval.end);
+                if interval.end < end {
+                    end = interval.end;
+                }
+            }
+            // What begins behind another and stays behind it is no event.
+            while next < line.len() && line[next].start < end {
+                let start = line[next].start;
+                if self.active.iter().any(|old| old.hides(&line[next], start)) {
+                    next += 1;
+                } else {
+                    end = start;
+                }
             }
             if end - x > SHORTEST {
                 let (mut from, mut rounds) = (x, 0);
@@ -492,6 +520,46 @@ impl LineSampler {
             }
         }
     }
+}
+
+/// Form factor from the point to a whole region without occlusion, what lies below the horizon cut
+/// off; `None` where the horizon cuts it into several parts.
+fn lambert(scene: &Occluders, region: &Occluder, point: DVec3, frame: &Frame) -> Option<f64> {
+    let vertices = &scene.vertices[region.vertices[0] as usize..region.vertices[1] as usize];
+    let mut sum = 0.0;
+    let (mut enter, mut leave, mut rims) = (0.0, 0.0, 0);
+    for &[a, b] in &scene.edges[region.edges[0] as usize..region.edges[1] as usize] {
+        let p = frame.local(vertices[a as usize] - point);
+        let q = frame.local(vertices[b as usize] - point);
+        if p.z <= 0.0 && q.z <= 0.0 {
+            continue;
+        }
+        let (mut from, mut to) = (p, q);
+        if p.z <= 0.0 {
+            from = p + (q - p) * (p.z / (p.z - q.z));
+            enter = from.y.atan2(from.x);
+            rims += 1;
+        } else if q.z <= 0.0 {
+            to = p + (q - p) * (p.z / (p.z - q.z));
+            leave = to.y.atan2(to.x);
+            rims += 1;
+        }
+        let cross = from.cross(to);
+        let length = cross.length();
+        if length > 0.0 {
+            sum += cross.z / length * length.atan2(from.dot(to));
+        }
+    }
+    match rims {
+        0 => {}
+        // The polygon is closed along the horizon.
+        2 => {
+            let turn: f64 = enter - leave;
+            sum += turn - TAU * (turn / TAU).round();
+        }
+        _ => return None,
+    }
+    (sum != 0.0).then_some(sum.abs() / TAU)
 }
 
 /// sin² of the angle from the normal, less 1/2.

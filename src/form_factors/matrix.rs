@@ -28,15 +28,17 @@ pub struct AssembleReport {
     pub close_pairs: usize,
     /// Scaling passes until the power balance closed.
     pub passes: usize,
-    /// Largest relative deviation of a row sum from its target after them.
+    /// Largest deviation of a row sum from its target after them.
     pub imbalance: f64,
 }
 
 /// Row sums within this of one count as closed: the rest is sampling error.
 const CLOSED: f64 = 2e-3;
-/// Scaling stops at this relative deviation of row sums.
+/// Scaling stops at this deviation of row sums, or after that many passes.
 const BALANCED: f64 = 1e-7;
-const MOST_PASSES: usize = 60;
+const MOST_PASSES: usize = 40;
+/// A patch that sees less than this is buried (under a box, say): it takes no part.
+const BURIED: f64 = 1e-6;
 /// Rows assembled by one task.
 const BLOCK: usize = 256;
 /// Leaves room for the rounding of single precision below every row sum.
@@ -121,13 +123,14 @@ impl FormFactors {
     /// Scales rows and columns alike until row i of S sums to `targets[i]`.
     fn balance(&mut self, targets: &[f64], cancelled: &dyn Fn() -> bool) -> (usize, f64) {
         let n = self.areas.len();
-        let mut scale = vec![1.0_f64; n];
+        let buried = |i: usize| targets[i] <= BURIED * self.areas[i];
+        let mut scale: Vec<f64> = (0..n).map(|i| if buried(i) { 0.0 } else { 1.0 }).collect();
         let mut passes = 0;
         let mut imbalance;
         loop {
             let sums: Vec<f64> = (0..n).into_par_iter().map(|i| scale[i] * self.dot(i, &scale)).collect();
             let ratio = |i: usize| if sums[i] > 0.0 { targets[i] / sums[i] } else { 1.0 };
-            imbalance = (0..n).map(|i| (ratio(i) - 1.0).abs()).fold(0.0, f64::max);
+            imbalance = (0..n).map(|i| (sums[i] - targets[i]).abs() / self.areas[i]).fold(0.0, f64::max);
             if imbalance < BALANCED || passes == MOST_PASSES || cancelled() {
                 break;
             }

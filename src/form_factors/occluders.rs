@@ -1,5 +1,6 @@
 //! The regions of a mesh in the compact form that all row methods read.
 
+use super::culling::Culling;
 use crate::mesh::{NO_PATCH, PatchMesh};
 use glam::DVec3;
 
@@ -21,6 +22,7 @@ pub struct Occluders {
     pub(super) size: f64,
     /// Patches in the mesh.
     pub(super) patches: usize,
+    pub(super) culling: Culling,
 }
 
 /// One region.
@@ -41,6 +43,8 @@ pub(super) struct Occluder {
     pub(super) half: DVec3,
     /// Whether a patch of it emits.
     pub(super) emits: bool,
+    /// Sides that nothing lit can see.
+    pub(super) dark: [bool; 2],
 }
 
 /// What lies in a grid cell.
@@ -135,8 +139,11 @@ impl Occluders {
                 middle: region.bounds.centre(),
                 half: 0.5 * region.bounds.size(),
                 emits,
+                dark: region.dark,
             });
         }
+        let boxes: Vec<(DVec3, DVec3)> = all.regions.iter().map(|r| (r.middle, r.half)).collect();
+        all.culling = Culling::new(&boxes, &mesh.blockers);
         all
     }
 

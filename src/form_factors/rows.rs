@@ -3,7 +3,7 @@
 use super::closed_form::point_to_polygon;
 use super::{Fan, Hemicube, HemicubeSampler, LineSampler, Method, Occluders, RayScene, Row, RowBuffer};
 use crate::geometry::Frame;
-use crate::mesh::{PatchMesh, Side};
+use crate::mesh::{Patch, PatchMesh, Side};
 use glam::DVec3;
 use std::sync::Arc;
 
@@ -19,16 +19,36 @@ pub struct RowComputer {
     lamps: Vec<u32>,
 }
 
+/// The fans of the line method.
+#[derive(Clone, Debug)]
+struct Fans {
+    /// For a patch gathered at its centre.
+    full: Fan,
+    /// For each of the points of a patch gathered at several.
+    coarse: Fan,
+    /// For a lamp, whose rows light the first picture.
+    fine: Fan,
+}
+
+/// What a row is gathered for.
+#[derive(Clone, Copy)]
+enum Purpose {
+    Centre,
+    OneOfSeveral,
+    Lamp,
+}
+
 #[derive(Clone, Debug)]
 enum Sampler {
-    /// The fan for all patches and a finer one for those of lamps, whose rows light the first picture.
-    Lines(Fan, Fan),
+    Lines(Fans),
     Hemicube(Hemicube),
     Rays(u32),
 }
 
 /// How many times as many half-planes a lamp's row has.
 const LAMP_FINER: u32 = 4;
+/// How many times as many half-planes each of several receiving points has: their patterns add up.
+const SEVERAL_COARSER: f64 = 0.67;
 
 /// Working memory of one thread.
 #[derive(Clone, Debug)]
@@ -46,9 +66,11 @@ impl RowComputer {
     pub fn new(mesh: Arc<PatchMesh>, method: Method, resolution: Option<u32>, visibility: bool) -> Self {
         let resolution = resolution.unwrap_or(method.default_resolution());
         let sampler = match method {
-            Method::Lines => {
-                Sampler::Lines(Fan::new(resolution), Fan::new(resolution.saturating_mul(LAMP_FINER)))
-            }
+            Method::Lines => Sampler::Lines(Fans {
+                full: Fan::new(resolution),
+                coarse: Fan::new((resolution as f64 * SEVERAL_COARSER).ceil() as u32),
+                fine: Fan::new(resolution.saturating_mul(LAMP_FINER)),
+            }),
             Method::Hemicube => Sampler::Hemicube(Hemicube::new(resolution)),
             Method::Rays => Sampler::Rays(resolution.max(1)),
         };
@@ -79,9 +101,9 @@ impl RowComputer {
     /// How many rows make a batch of a few milliseconds a thread: a matter of method, resolution and
     /// scene alone, so that the order of work never depends on the clock.
     pub fn batch(&self) -> usize {
-        let cost = match &self.sampler {
-            Sampler::Lines(fan, _) => {
-                fan.len() as f64 / 192.0 * (1.0 + self.occluders.regions.len() as f64 / 1000.0)
+        let cost: f64 = match &self.sampler {
+            Sampler::Lines(fans) => {
+                fans.full.len() as f64 / 192.0 * (1.0 + self.occluders.regions.len() as f64 / 1000.0)
             }
             Sampler::Hemicube(cube) => 8.0 * (cube.resolution() as f64 / 256.0).powi(2),
             Sampler::Rays(count) => 4.0 * f64::from(*count) / 4096.0,
@@ -107,13 +129,16 @@ impl RowComputer {
     /// cross it.
     pub fn row(&self, patch: u32, scratch: &mut RowScratch) -> Row {
         let p = &self.mesh.patches[patch as usize];
+        if p.buried {
+            return Row::default();
+        }
         if !self.visibility {
             self.gather_unoccluded(p.centre, p.normal, scratch);
             return scratch.row.take();
         }
         let frame = self.frame(patch);
-        let lamp = p.luminaire.is_some();
-        self.gather(p.centre, frame, turn_of(patch), lamp, scratch);
+        let purpose = if p.luminaire.is_some() { Purpose::Lamp } else { Purpose::Centre };
+        self.gather(p.centre, frame, turn_of(patch), purpose, scratch);
         if !self.crosses_shadow(patch, scratch) {
             return scratch.row.take();
         }
@@ -121,7 +146,7 @@ impl RowComputer {
         for (k, (point, weight)) in self.receiving_points(patch).into_iter().enumerate() {
             scratch.row.set_weight(weight);
             // The patterns of the points interleave.
-            self.gather(point, frame, turn_of(patch) + 0.25 * k as f64, lamp, scratch);
+            self.gather(point, frame, turn_of(patch) + 0.25 * k as f64, Purpose::OneOfSeveral, scratch);
         }
         scratch.row.set_weight(1.0);
         Row { spread: true, ..scratch.row.take() }
@@ -137,22 +162,22 @@ impl RowComputer {
         if scratch.lines.in_penumbra(&self.occluders) {
             return true;
         }
+        let share = |lamp: &Patch, x: DVec3| {
+            let to_lamp = lamp.centre - x;
+            let cosines = p.normal.dot(to_lamp).max(0.0) * -lamp.normal.dot(to_lamp).min(0.0);
+            lamp.area * cosines / to_lamp.length_squared().powi(2).max(f64::MIN_POSITIVE)
+        };
+        let lamps = self.lamps.iter().map(|&l| &self.mesh.patches[l as usize]);
+        let shares: Vec<(f64, &Patch)> = lamps.map(|lamp| (share(lamp, p.centre), lamp)).collect();
+        let largest = shares.iter().map(|s| s.0).fold(0.0, f64::max);
         let corners: Vec<DVec3> = self
             .mesh
             .pieces_of(p)
             .flat_map(|piece| self.mesh.corners_of(piece))
             .map(|c| p.centre + (self.mesh.vertices[c.vertex as usize] - p.centre) * 0.9)
             .collect();
-        self.lamps.iter().any(|&lamp| {
-            let lamp = &self.mesh.patches[lamp as usize];
-            let faces = |x: DVec3| {
-                let to_lamp = lamp.centre - x;
-                p.normal.dot(to_lamp) > 0.0 && lamp.normal.dot(to_lamp) < 0.0
-            };
-            if !faces(p.centre) {
-                return false;
-            }
-            let mut seen = corners.iter().map(|&c| faces(c) && self.rays.visible(c, lamp.centre));
+        shares.iter().filter(|s| s.0 > 0.1 * largest).any(|(_, lamp)| {
+            let mut seen = corners.iter().map(|&c| share(lamp, c) > 0.0 && self.rays.visible(c, lamp.centre));
             let first = seen.next();
             seen.any(|s| Some(s) != first)
         })
@@ -199,17 +224,21 @@ impl RowComputer {
     pub fn point(&self, point: DVec3, normal: DVec3, scratch: &mut RowScratch, visit: impl FnMut(u32, f64)) {
         let point = point + normal * (1e-5 * self.mesh.size);
         if self.visibility {
-            self.gather(point, Frame::around(normal), turn_of(0) + 0.118_033_989, false, scratch);
+            self.gather(point, Frame::around(normal), turn_of(0) + 0.118_033_989, Purpose::Centre, scratch);
         } else {
             self.gather_unoccluded(point, normal, scratch);
         }
         scratch.row.drain(visit);
     }
 
-    fn gather(&self, point: DVec3, frame: Frame, turn: f64, lamp: bool, scratch: &mut RowScratch) {
+    fn gather(&self, point: DVec3, frame: Frame, turn: f64, purpose: Purpose, scratch: &mut RowScratch) {
         match &self.sampler {
-            Sampler::Lines(fan, finer) => {
-                let fan = if lamp { finer } else { fan };
+            Sampler::Lines(fans) => {
+                let fan = match purpose {
+                    Purpose::Centre => &fans.full,
+                    Purpose::OneOfSeveral => &fans.coarse,
+                    Purpose::Lamp => &fans.fine,
+                };
                 scratch.lines.gather(&self.occluders, fan, point, &frame, turn, &mut scratch.row);
                 for &region in scratch.lines.missed() {
                     self.add_by_rays(region, point, frame.normal, &mut scratch.row);

@@ -198,9 +198,10 @@ impl Node {
     fn entry(&self, origin: DVec3, inverse: DVec3, min: f64, max: f64) -> Option<f64> {
         let a = (self.bounds.min - origin) * inverse;
         let b = (self.bounds.max - origin) * inverse;
-        // `f64::min` drops the NaN of 0 * infinity, which leaves that axis without a say.
-        let near = a.x.min(b.x).max(a.y.min(b.y)).max(a.z.min(b.z)).max(min);
-        let far = a.x.max(b.x).min(a.y.max(b.y)).min(a.z.max(b.z)).min(max);
+        // 0 * infinity: the ray runs in a face of the box, or between two; that axis has no say.
+        let is_free = (a + b).is_nan_mask();
+        let near = DVec3::select(is_free, DVec3::NEG_INFINITY, a.min(b)).max_element().max(min);
+        let far = DVec3::select(is_free, DVec3::INFINITY, a.max(b)).min_element().min(max);
         // A part in 1e12 of slack: boxes of flat triangles have no thickness.
         (near <= far * (1.0 + 1e-12) + 1e-300).then_some(near)
     }
@@ -323,5 +324,22 @@ mod tests {
         assert_eq!(bvh.nearest(&ray, 0.0, f64::INFINITY).map(|h| h.distance), Some(3.0));
         assert!(bvh.nearest(&ray, 0.0, 2.9).is_none());
         assert!(Bvh::build(&[]).nearest(&ray, 0.0, 9.0).is_none());
+    }
+
+    #[test]
+    fn axis_parallel_rays_do_not_slip_through_the_seams_of_a_grid() {
+        let corner = |i: u32| DVec3::new(f64::from(i % 9), f64::from(i / 9), 0.0);
+        let squares = (0..64).map(|i| corner(i % 8 + 9 * (i / 8)));
+        let triangles: Vec<[DVec3; 3]> = squares
+            .flat_map(|p| {
+                let (q, r, s) = (p + DVec3::X, p + DVec3::X + DVec3::Y, p + DVec3::Y);
+                [[p, q, r], [p, r, s]]
+            })
+            .collect();
+        let bvh = Bvh::build(&triangles);
+        for i in 0..81 {
+            let ray = Ray { origin: corner(i) + DVec3::Z, direction: DVec3::NEG_Z };
+            assert_eq!(bvh.nearest(&ray, 0.0, 9.0).map(|hit| hit.distance), Some(1.0), "{}", corner(i));
+        }
     }
 }

@@ -1,7 +1,8 @@
+use super::patches;
 use super::pieces::{self, Cut, Grid};
+use super::reach::{Buried, Reach, Search};
 use super::regions::{self, Outline};
 use super::types::{MeshStatistics, NO_PATCH, Patch, PatchMesh, Side};
-use super::{patches, reach};
 use crate::scene::Scene;
 
 /// How finely surfaces are split.
@@ -82,12 +83,18 @@ pub fn build(scene: &Scene, settings: &MeshSettings) -> Result<PatchMesh, MeshEr
     if outlines.is_empty() {
         return Err(MeshError::Empty);
     }
-    let emits_back = |o: &Outline| o.luminaire.is_some() && o.emits_back;
-    let sides = match settings.backs {
-        Backs::Reached => reach::sides(scene, &outlines, size),
-        Backs::None => outlines.iter().map(|o| [true, emits_back(o)]).collect(),
-        Backs::All => vec![[true, true]; outlines.len()],
+    let search = Search::new(scene, &outlines, size);
+    let reached: Vec<[Reach; 2]> = match settings.backs {
+        Backs::Reached => search.sides(),
+        Backs::None => outlines
+            .iter()
+            .map(|o| {
+                [Reach::Lit, if o.luminaire.is_some() && o.emits_back { Reach::Lit } else { Reach::Black }]
+            })
+            .collect(),
+        Backs::All => vec![[Reach::Lit; 2]; outlines.len()],
     };
+    let sides: Vec<[bool; 2]> = reached.iter().map(|r| r.map(|side| side == Reach::Lit)).collect();
 
     // 2. Choose the patch size and cut.
     let patch_size = patch_size(scene, settings.target, &outlines, &sides)?;
@@ -116,8 +123,38 @@ pub fn build(scene: &Scene, settings: &MeshSettings) -> Result<PatchMesh, MeshEr
     if mesh.patches.is_empty() {
         return Err(MeshError::Empty);
     }
+    for (region, reached) in mesh.regions.iter_mut().zip(&reached) {
+        region.dark = reached.map(|side| side == Reach::Dark);
+    }
+    if settings.backs == Backs::Reached {
+        let found = search.buried(&mesh.patches, |patch| patches::inner_points(&mesh, patch));
+        for (patch, buried) in mesh.patches.iter_mut().zip(found) {
+            match buried {
+                Some(Buried::Whole) => patch.buried = true,
+                Some(Buried::LitAt(point)) => patch.centre = point,
+                None => {}
+            }
+        }
+    }
+    mesh.blockers = blockers(&outlines, size);
     mesh.statistics = statistics(&mesh, scene, &sides, dropped, patch_size);
+    mesh.contacts = contacts;
     Ok(mesh)
+}
+
+/// Convex parts of surfaces large enough to hide much of the scene, by falling area.
+fn blockers(outlines: &[Outline], size: f64) -> Vec<Vec<glam::DVec3>> {
+    const MOST: usize = 512;
+    let mut large: Vec<(f64, Vec<glam::DVec3>)> = outlines
+        .iter()
+        .flat_map(|o| o.parts.iter().map(move |part| (o, part)))
+        .map(|(o, part)| (crate::geometry::polygon::area_2d(&part.corners), o, part))
+        .filter(|(area, ..)| *area > 5e-4 * size * size)
+        .map(|(area, o, part)| (area, part.corners.iter().map(|&c| o.world(c)).collect()))
+        .collect();
+    large.sort_by(|a, b| b.0.total_cmp(&a.0));
+    large.truncate(MOST);
+    large.into_iter().map(|(_, corners)| corners).collect()
 }
 
 /// About how many patches of edge `size` the lit sides give.

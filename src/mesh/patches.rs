@@ -5,7 +5,7 @@ use super::regions::Outline;
 use super::types::{Patch, PatchMesh, Piece, Side};
 use crate::geometry::polygon;
 use crate::scene::{MAX_REFLECTANCE, Scene, Texture};
-use glam::DVec2;
+use glam::{DVec2, DVec3};
 use std::collections::{BTreeMap, HashMap};
 use std::ops::Range;
 
@@ -168,8 +168,25 @@ pub(super) fn append(
         }),
         texture_average: average,
         emission_weight: if emits { outline.emission_weight } else { [0.0; 3] },
+        buried: false,
         radius,
     });
+}
+
+/// Points spread over a patch: near the corners of its pieces and in their middles.
+pub(super) fn inner_points(mesh: &PatchMesh, patch: &Patch) -> Vec<DVec3> {
+    let mut points = Vec::new();
+    for piece in mesh.pieces_of(patch) {
+        let corners = mesh.polygon(piece, patch.side);
+        let middle = corners.iter().sum::<DVec3>() / corners.len() as f64;
+        points.push(middle);
+        points.extend(corners.iter().map(|&c| middle + (c - middle) * 0.93));
+        points.extend((0..corners.len()).map(|i| {
+            let edge = 0.5 * (corners[i] + corners[(i + 1) % corners.len()]);
+            middle + (edge - middle) * 0.93
+        }));
+    }
+    points
 }
 
 fn holds(mesh: &PatchMesh, piece: &Piece, point: DVec2) -> bool {

@@ -86,7 +86,8 @@ fn split_at_contacts(cuts: Vec<Cut>, grid: &Grid, contacts: &[[DVec2; 2]]) -> Ve
             }
         }
     }
-    let slack = 1e-6 * grid.cell.min_element();
+    // A line this near to the border of a piece is not worth a split: it would leave a sliver.
+    let slack = 0.02 * grid.cell.min_element();
     let mut result = Vec::new();
     for cut in cuts {
         let mut pending = vec![cut];
@@ -264,6 +265,7 @@ pub(super) fn append(mesh: &mut PatchMesh, outline: &Outline, grid: &Grid, cuts:
         object: outline.object,
         bounds: outline.bounds,
         area: outline.area,
+        dark: [false; 2],
     });
 }
 

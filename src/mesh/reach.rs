@@ -1,144 +1,199 @@
 //! Which sides of which regions light can reach: the outside of a closed shell needs no patches.
+//!
+//! A side is lit if a diffuse path that starts on it comes to a point from which a lamp is seen.
+//! Paths run through free space only, so that the inside of a box that stands on a lit floor stays
+//! dark although it touches the floor.
 
 use super::regions::Outline;
-use super::types::Side;
+use super::types::{Patch, Side};
 use crate::geometry::{Bvh, Frame, Ray, polygon};
 use crate::scene::{Scene, Sides};
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 
-/// Rays from each sampled point.
-const RAYS: u32 = 64;
-/// Points sampled on each side.
-const POINTS: usize = 12;
+/// Paths from each side.
+const PATHS: u64 = 48;
+/// Points on a path, its start included.
+const BOUNCES: u64 = 6;
+/// This many paths must find light: a single one may have slipped through the seam of two faces.
+const ENOUGH: u32 = 2;
 
-/// For every region whether its front and its back take part.
-pub(super) fn sides(scene: &Scene, outlines: &[Outline], size: f64) -> Vec<[bool; 2]> {
-    let mut triangles = Vec::new();
-    let mut owners = Vec::new();
-    for (index, outline) in outlines.iter().enumerate() {
-        for part in &outline.parts {
-            for k in 1..part.corners.len() - 1 {
-                triangles
-                    .push([part.corners[0], part.corners[k], part.corners[k + 1]].map(|c| outline.world(c)));
-                owners.push(index as u32);
-            }
-        }
-    }
-    let search = Search { outlines, bvh: Bvh::build(&triangles), owners, offset: size * 1e-6 };
-
-    let allowed: Vec<[bool; 2]> = outlines
-        .iter()
-        .map(|o| match scene.materials[o.material as usize].sides {
-            Sides::Auto | Sides::Both => [true, true],
-            Sides::Front => [true, false],
-        })
-        .collect();
-    let mut reached: Vec<[bool; 2]> =
-        outlines.iter().map(|o| [o.luminaire.is_some(), o.luminaire.is_some() && o.emits_back]).collect();
-    if !reached.iter().flatten().any(|&r| r) {
-        // Without a lamp nothing is lit; every front is kept, so that there is something to see.
-        reached.fill([true, false]);
-    }
-
-    // Forward from what is newly reached, then backward from what is not, until nothing changes.
-    let mut frontier: Vec<(u32, Side)> = listed(&reached, true);
-    loop {
-        let seen: Vec<Vec<u32>> = frontier.par_iter().map(|&(r, side)| search.seen_from(r, side)).collect();
-        let mut hits = vec![[0_u32; 2]; outlines.len()];
-        for code in seen.into_iter().flatten() {
-            hits[(code / 2) as usize][(code % 2) as usize] += 1;
-        }
-        let before = reached.clone();
-        for (mark, count) in reached.iter_mut().zip(&hits) {
-            // A single hit may be a ray that slipped through the seam of two faces.
-            mark[0] |= count[0] >= 2;
-            mark[1] |= count[1] >= 2;
-        }
-        let known = reached.clone();
-        let backward: Vec<(u32, Side)> = listed(&reached, false)
-            .into_par_iter()
-            .filter(|&(r, side)| {
-                allowed[r as usize][side as usize]
-                    && search
-                        .seen_from(r, side)
-                        .into_iter()
-                        .filter(|code| known[(code / 2) as usize][(code % 2) as usize])
-                        .count()
-                        >= 2
-            })
-            .collect();
-        for (r, side) in backward {
-            reached[r as usize][side as usize] = true;
-        }
-        frontier = (0..outlines.len() as u32)
-            .flat_map(|r| [(r, Side::Front), (r, Side::Back)])
-            .filter(|&(r, s)| reached[r as usize][s as usize] && !before[r as usize][s as usize])
-            .collect();
-        if frontier.is_empty() {
-            break;
-        }
-    }
-    for ((mark, allowed), outline) in reached.iter_mut().zip(&allowed).zip(outlines) {
-        let forced = scene.materials[outline.material as usize].sides != Sides::Auto;
-        for side in 0..2 {
-            mark[side] = allowed[side] && (mark[side] || forced);
-        }
-        // A side that emits always takes part.
-        mark[0] |= outline.luminaire.is_some();
-        mark[1] |= outline.luminaire.is_some() && outline.emits_back;
-    }
-    reached
+/// How light and a side stand to each other.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Reach {
+    /// It takes part.
+    Lit,
+    /// Black by the material's own word; what is lit may see it.
+    Black,
+    /// No light reaches it, so nothing lit sees it.
+    Dark,
 }
 
-fn listed(reached: &[[bool; 2]], wanted: bool) -> Vec<(u32, Side)> {
-    (0..reached.len() as u32)
-        .flat_map(|r| [(r, Side::Front), (r, Side::Back)])
-        .filter(|&(r, s)| reached[r as usize][s as usize] == wanted)
-        .collect()
+/// A patch whose centre no light reaches.
+pub(super) enum Buried {
+    /// Nor any other point of it that was tried.
+    Whole,
+    /// This point of it is lit.
+    LitAt(DVec3),
 }
 
-struct Search<'a> {
+/// Finds what light can reach in a scene.
+pub(super) struct Search<'a> {
+    scene: &'a Scene,
     outlines: &'a [Outline],
     bvh: Bvh,
-    owners: Vec<u32>,
+    /// Front normal of each triangle.
+    normals: Vec<DVec3>,
+    /// Points on lamps with the direction that they shine to.
+    lamps: Vec<(DVec3, DVec3)>,
     offset: f64,
 }
 
-impl Search<'_> {
-    /// Codes (2 * region + side) of the sides that rays from this side meet first.
-    fn seen_from(&self, region: u32, side: Side) -> Vec<u32> {
-        let outline = &self.outlines[region as usize];
-        let normal = outline.frame.normal * side.sign();
-        let frame = Frame::around(normal);
-        let mut seen = Vec::new();
-        for (k, point) in sample_points(outline).into_iter().enumerate() {
-            let origin = outline.world(point) + normal * self.offset;
-            for ray in 0..RAYS {
-                let direction = frame.world(cosine_direction(ray, RAYS, 0.618_034 * k as f64));
-                let ray = Ray { origin, direction };
-                if let Some(hit) = self.bvh.nearest(&ray, 0.0, f64::INFINITY) {
-                    let owner = self.owners[hit.triangle as usize];
-                    let facing = self.outlines[owner as usize].frame.normal.dot(direction) < 0.0;
-                    seen.push(2 * owner + u32::from(!facing));
+impl<'a> Search<'a> {
+    pub(super) fn new(scene: &'a Scene, outlines: &'a [Outline], size: f64) -> Self {
+        let mut triangles = Vec::new();
+        let mut normals = Vec::new();
+        let mut lamps = Vec::new();
+        for outline in outlines {
+            let normal = outline.frame.normal;
+            for part in &outline.parts {
+                for k in 1..part.corners.len() - 1 {
+                    let triangle = [part.corners[0], part.corners[k], part.corners[k + 1]];
+                    triangles.push(triangle.map(|c| outline.world(c)));
+                    normals.push(normal);
+                }
+            }
+            if outline.luminaire.is_some() {
+                for point in sample_points(outline, 3) {
+                    lamps.push((outline.world(point), normal));
+                    if outline.emits_back {
+                        lamps.push((outline.world(point), -normal));
+                    }
                 }
             }
         }
-        seen
+        Self { scene, outlines, bvh: Bvh::build(&triangles), normals, lamps, offset: size * 1e-7 }
+    }
+
+    /// For every region how its front and its back stand to light.
+    pub(super) fn sides(&self) -> Vec<[Reach; 2]> {
+        (0..self.outlines.len())
+            .into_par_iter()
+            .map(|index| [Side::Front, Side::Back].map(|side| self.side(index, side)))
+            .collect()
+    }
+
+    fn side(&self, index: usize, side: Side) -> Reach {
+        let outline = &self.outlines[index];
+        let emits = outline.luminaire.is_some() && (side == Side::Front || outline.emits_back);
+        match self.scene.materials[outline.material as usize].sides {
+            _ if emits => Reach::Lit,
+            Sides::Both => Reach::Lit,
+            Sides::Front if side == Side::Front => Reach::Lit,
+            Sides::Front => Reach::Black,
+            // Without a lamp nothing is lit; every front is kept, so that there is something to see.
+            Sides::Auto if self.lamps.is_empty() && side == Side::Front => Reach::Lit,
+            Sides::Auto if self.lamps.is_empty() => Reach::Black,
+            Sides::Auto => {
+                let starts: Vec<DVec3> =
+                    sample_points(outline, 12).into_iter().map(|p| outline.world(p)).collect();
+                let seed = 2 * index as u64 + side as u64;
+                let lit = self.is_lit(&starts, outline.frame.normal * side.sign(), seed, PATHS, ENOUGH);
+                if lit { Reach::Lit } else { Reach::Dark }
+            }
+        }
+    }
+
+    /// For each patch whether its centre lies under something, out of all light, although its side is
+    /// lit elsewhere; then a point of it that is lit, if any of `points` is.
+    pub(super) fn buried(
+        &self,
+        patches: &[Patch],
+        points: impl Fn(&Patch) -> Vec<DVec3> + Sync,
+    ) -> Vec<Option<Buried>> {
+        patches
+            .par_iter()
+            .enumerate()
+            .map(|(index, patch)| {
+                let auto = self.scene.materials[patch.material as usize].sides == Sides::Auto;
+                let seed = (1 << 40) + 64 * index as u64;
+                if !auto
+                    || patch.luminaire.is_some()
+                    || self.lamps.is_empty()
+                    || self.is_lit(&[patch.centre], patch.normal, seed, PATHS / 3, 1)
+                {
+                    return None;
+                }
+                let lit = (1..)
+                    .zip(points(patch).into_iter().take(40))
+                    .find(|&(k, point)| self.is_lit(&[point], patch.normal, seed + k, PATHS / 8, 1));
+                Some(lit.map_or(Buried::Whole, |(_, point)| Buried::LitAt(point)))
+            })
+            .collect()
+    }
+
+    /// Whether `enough` of `paths` paths from the points in turn find light.
+    fn is_lit(&self, starts: &[DVec3], normal: DVec3, seed: u64, paths: u64, enough: u32) -> bool {
+        let mut found = 0;
+        for path in 0..paths {
+            let Some(&start) = starts.get(path as usize % starts.len().max(1)) else { return false };
+            if self.path_finds_light(start, normal, seed.wrapping_mul(PATHS) + path) {
+                found += 1;
+                if found == enough {
+                    return true;
+                }
+            }
+        }
+        false
+    }
+
+    fn path_finds_light(&self, mut point: DVec3, mut normal: DVec3, seed: u64) -> bool {
+        for bounce in 0..BOUNCES {
+            point += normal * self.offset;
+            let key = seed.wrapping_mul(BOUNCES) + bounce;
+            let lamp = (unit(key, 0) * self.lamps.len() as f64) as usize;
+            let (at, towards) = self.lamps[lamp.min(self.lamps.len() - 1)];
+            let at = at + towards * self.offset;
+            let to_lamp = at - point;
+            if to_lamp.dot(normal) > 0.0
+                && to_lamp.dot(towards) < 0.0
+                && !self.bvh.occluded(&Ray { origin: point, direction: to_lamp }, 0.0, 1.0)
+            {
+                return true;
+            }
+            let direction = Frame::around(normal).world(cosine_from(unit(key, 1), unit(key, 2)));
+            let Some(hit) = self.bvh.nearest(&Ray { origin: point, direction }, 0.0, f64::INFINITY) else {
+                return false;
+            };
+            point += direction * hit.distance;
+            normal = self.normals[hit.triangle as usize];
+            if normal.dot(direction) > 0.0 {
+                normal = -normal;
+            }
+        }
+        false
     }
 }
 
-/// Points inside the outline: triangles of its parts, spread by area.
-fn sample_points(outline: &Outline) -> Vec<DVec2> {
-    let mut points = Vec::with_capacity(POINTS);
-    let step = outline.area / POINTS as f64;
+/// A number in 0..1 for a key and a dimension (the finaliser of SplitMix64, Steele et al. 2014).
+fn unit(key: u64, dimension: u64) -> f64 {
+    let mut z = (key.wrapping_mul(3).wrapping_add(dimension + 1)).wrapping_mul(0x9E37_79B9_7F4A_7C15);
+    z = (z ^ (z >> 30)).wrapping_mul(0xBF58_476D_1CE4_E5B9);
+    z = (z ^ (z >> 27)).wrapping_mul(0x94D0_49BB_1331_11EB);
+    ((z ^ (z >> 31)) >> 11) as f64 / (1_u64 << 53) as f64
+}
+
+/// Points inside the outline: in the triangles of its parts, spread by area.
+fn sample_points(outline: &Outline, count: usize) -> Vec<DVec2> {
+    let mut points = Vec::with_capacity(count);
+    let step = outline.area / count as f64;
     let mut due = 0.5 * step;
     let mut sum = 0.0;
     for part in &outline.parts {
         for k in 1..part.corners.len() - 1 {
             let [a, b, c] = [part.corners[0], part.corners[k], part.corners[k + 1]];
             let area = polygon::area_2d(&[a, b, c]);
-            while due < sum + area && points.len() < POINTS {
+            while due < sum + area && points.len() < count {
                 let n = points.len() as f64;
                 // An R2 sequence folded into the triangle.
                 let (mut s, mut t) = ((0.5 + 0.754_877_67 * n).fract(), (0.5 + 0.569_840_29 * n).fract());
@@ -154,10 +209,14 @@ fn sample_points(outline: &Outline) -> Vec<DVec2> {
     points
 }
 
+/// The direction with a cosine distribution about +z for two numbers in 0..1.
+fn cosine_from(along: f64, around: f64) -> DVec3 {
+    let phi = std::f64::consts::TAU * around;
+    let radius = along.sqrt();
+    DVec3::new(radius * phi.cos(), radius * phi.sin(), (1.0 - along).max(0.0).sqrt())
+}
+
 /// The i-th of n directions with a cosine distribution about +z (Fibonacci spiral, turned).
 pub(crate) fn cosine_direction(i: u32, n: u32, turn: f64) -> DVec3 {
-    let along = (f64::from(i) + 0.5) / f64::from(n);
-    let phi = std::f64::consts::TAU * (f64::from(i) * 0.618_033_988_749_894_9 + turn).fract();
-    let radius = along.sqrt();
-    DVec3::new(radius * phi.cos(), radius * phi.sin(), (1.0 - along).sqrt())
+    cosine_from((f64::from(i) + 0.5) / f64::from(n), (f64::from(i) * 0.618_033_988_749_894_9 + turn).fract())
 }

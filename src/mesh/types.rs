@@ -53,6 +53,8 @@ pub struct Region {
     pub bounds: Aabb,
     /// Area of one side, m².
     pub area: f64,
+    /// For front and back whether no light reaches that side, so that nothing lit ever sees it.
+    pub dark: [bool; 2],
 }
 
 /// A convex part of a surface inside one grid cell: what is drawn, and what a line of sight meets.
@@ -98,7 +100,8 @@ pub struct Patch {
     pub luminaire: Option<u32>,
     /// Its pieces in [`PatchMesh::patch_pieces`].
     pub pieces: Range<u32>,
-    /// Centroid, metres; on the region's plane and inside one of the pieces.
+    /// Where rows are gathered, metres: the centroid, or another point of the patch where the centroid
+    /// lies outside of it or under something.
     pub centre: DVec3,
     /// Unit normal of its side.
     pub normal: DVec3,
@@ -111,6 +114,8 @@ pub struct Patch {
     pub texture_average: [f64; 3],
     /// Exitance per band relative to that of its luminaire; zero where it does not emit.
     pub emission_weight: [f64; 3],
+    /// It lies under something that stands on its surface, out of all light.
+    pub buried: bool,
     /// Radius of the smallest sphere around `centre` that holds the patch, metres.
     pub radius: f64,
 }
@@ -134,6 +139,11 @@ pub struct PatchMesh {
     pub cell_pieces: Vec<Range<u32>>,
     /// Indices of the pieces that overlap a cell.
     pub piece_lists: Vec<u32>,
+    /// Large convex parts of surfaces by falling area: what hides most of a scene. Corners, metres.
+    pub blockers: Vec<Vec<DVec3>>,
+    /// For each region the segments, in its plane coordinates, along which other surfaces stand on
+    /// it: the light may jump there. Empty where regions were not cut along them.
+    pub contacts: Vec<Vec<[DVec2; 2]>>,
     /// Diagonal of the box around everything, metres.
     pub size: f64,
     /// Counts and shapes.

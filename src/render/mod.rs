@@ -11,6 +11,8 @@ mod pipelines;
 mod still;
 mod target;
 mod textures;
+#[cfg(test)]
+mod tone_test;
 mod viewport;
 
 pub use camera::Camera;

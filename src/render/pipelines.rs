@@ -6,7 +6,8 @@ pub(super) const PICTURE_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba
 /// Depth, reversed: one near, zero at infinity.
 pub(super) const DEPTH_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Depth32Float;
 
-const TONE: &str = include_str!("shaders/tone.wgsl");
+/// Tone maps and the sRGB code; stands before the other shaders.
+pub(super) const TONE: &str = include_str!("shaders/tone.wgsl");
 const SCENE: &str = include_str!("shaders/scene.wgsl");
 const COMPOSITE: &str = include_str!("shaders/composite.wgsl");
 
@@ -80,6 +81,17 @@ impl Pass {
     }
 }
 
+/// What tells one pipeline of the scene from another.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub(super) struct SceneKey {
+    pub(super) pass: Pass,
+    pub(super) tone_map: ToneMap,
+    /// Samples a pixel: 1 or 4.
+    pub(super) samples: u32,
+    /// Surfaces stand back a little from their borders, which are drawn over them.
+    pub(super) stands_back: bool,
+}
+
 /// Pipelines, made when they are first needed.
 pub(super) struct Pipelines {
     scene_module: wgpu::ShaderModule,
@@ -89,7 +101,7 @@ pub(super) struct Pipelines {
     scene_layout: wgpu::PipelineLayout,
     textured_layout: wgpu::PipelineLayout,
     composite_layout: wgpu::PipelineLayout,
-    scene: HashMap<(Pass, ToneMap, u32), wgpu::RenderPipeline>,
+    scene: HashMap<SceneKey, wgpu::RenderPipeline>,
     composite: HashMap<wgpu::TextureFormat, wgpu::RenderPipeline>,
 }
 
@@ -143,25 +155,15 @@ impl Pipelines {
     }
 
     /// Makes a pipeline of the scene where it does not exist yet.
-    pub(super) fn prepare_scene(
-        &mut self,
-        device: &wgpu::Device,
-        pass: Pass,
-        tone_map: ToneMap,
-        samples: u32,
-    ) {
-        let (module, layout) = match pass {
-            Pass::Textured => (&self.scene_module, &self.textured_layout),
-            _ => (&self.scene_module, &self.scene_layout),
-        };
-        self.scene
-            .entry((pass, tone_map, samples))
-            .or_insert_with(|| scene_pipeline(device, module, layout, pass, tone_map, samples));
+    pub(super) fn prepare_scene(&mut self, device: &wgpu::Device, key: SceneKey) {
+        let layout = if key.pass == Pass::Textured { &self.textured_layout } else { &self.scene_layout };
+        let module = &self.scene_module;
+        self.scene.entry(key).or_insert_with(|| scene_pipeline(device, module, layout, key));
     }
 
     /// A pipeline that [`Pipelines::prepare_scene`] has made.
-    pub(super) fn scene(&self, pass: Pass, tone_map: ToneMap, samples: u32) -> Option<&wgpu::RenderPipeline> {
-        self.scene.get(&(pass, tone_map, samples))
+    pub(super) fn scene(&self, key: SceneKey) -> Option<&wgpu::RenderPipeline> {
+        self.scene.get(&key)
     }
 
     /// Makes the pipeline that puts the picture onto a target of this format.
@@ -228,10 +230,9 @@ fn scene_pipeline(
     device: &wgpu::Device,
     module: &wgpu::ShaderModule,
     layout: &wgpu::PipelineLayout,
-    pass: Pass,
-    tone_map: ToneMap,
-    samples: u32,
+    key: SceneKey,
 ) -> wgpu::RenderPipeline {
+    let pass = key.pass;
     let corner = wgpu::VertexBufferLayout {
         array_stride: size_of::<CornerVertex>() as u64,
         step_mode: wgpu::VertexStepMode::Vertex,
@@ -254,7 +255,7 @@ fn scene_pipeline(
         buffers.push(Some(scalar));
     }
     let (vertex, fragment) = pass.entry_points();
-    let index = ToneMap::ALL.iter().position(|&map| map == tone_map).unwrap_or(0);
+    let index = ToneMap::ALL.iter().position(|&map| map == key.tone_map).unwrap_or(0);
     device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
         label: Some(fragment),
         layout: Some(layout),
@@ -279,9 +280,13 @@ fn scene_pipeline(
             // Depth is reversed: nearer is greater.
             depth_compare: Some(wgpu::CompareFunction::Greater),
             stencil: wgpu::StencilState::default(),
-            bias: wgpu::DepthBiasState::default(),
+            bias: if key.stands_back && !pass.is_lines() {
+                wgpu::DepthBiasState { constant: -4, slope_scale: -1.5, clamp: 0.0 }
+            } else {
+                wgpu::DepthBiasState::default()
+            },
         }),
-        multisample: wgpu::MultisampleState { count: samples, ..Default::default() },
+        multisample: wgpu::MultisampleState { count: key.samples, ..Default::default() },
         fragment: Some(wgpu::FragmentState {
             module,
             entry_point: Some(fragment),

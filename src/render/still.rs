@@ -188,7 +188,9 @@ impl StillInput<'_> {
         let value = interpolate(self.corner_radiosity, corners, weights);
         let Some(texture) = texture.and_then(|t| self.textures.get(t as usize)) else { return value };
         let uv: Vec2 = (0..3).map(|k| self.mesh.corners[corners[k] as usize].uv * weights[k]).sum();
-        let texel = bilinear(texture, uv);
+        // A sum of huge coordinates may overflow.
+        let uv = if uv.is_finite() { uv } else { Vec2::ZERO };
+        let texel = texture.sample(uv.as_dvec2());
         std::array::from_fn(|b| value[b] * texel[b])
     }
 }
@@ -206,47 +208,4 @@ fn interpolate(values: &[[f32; 3]], corners: [u32; 3], weights: [f32; 3]) -> [f3
     }
     // Weights reach a rounding error below zero at edges.
     sum.map(|x| x.max(0.0))
-}
-
-/// The texture at (u, v), v upwards, repeated in both directions and linear between texel centres.
-fn bilinear(texture: &Texture, uv: Vec2) -> [f32; 3] {
-    let (width, height) = (i64::from(texture.width), i64::from(texture.height));
-    if !uv.is_finite() || texture.pixels.len() as i64 != width * height || width * height == 0 {
-        return [1.0; 3];
-    }
-    let x = (uv.x - uv.x.floor()) * width as f32 - 0.5;
-    let y = (1.0 - (uv.y - uv.y.floor())) * height as f32 - 0.5;
-    let (x0, y0) = (x.floor(), y.floor());
-    let (fx, fy) = (x - x0, y - y0);
-    let texel = |dx: i64, dy: i64| {
-        let (column, row) = ((x0 as i64 + dx).rem_euclid(width), (y0 as i64 + dy).rem_euclid(height));
-        texture.pixels[(row * width + column) as usize]
-    };
-    let mut sum = [0.0; 3];
-    add(&mut sum, texel(0, 0), (1.0 - fx) * (1.0 - fy));
-    add(&mut sum, texel(1, 0), fx * (1.0 - fy));
-    add(&mut sum, texel(0, 1), (1.0 - fx) * fy);
-    add(&mut sum, texel(1, 1), fx * fy);
-    sum
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn textures_stand_upright_and_repeat() {
-        // Top row red and green, bottom row blue and white.
-        let texture = Texture {
-            name: "four".to_owned(),
-            width: 2,
-            height: 2,
-            pixels: vec![[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0], [1.0, 1.0, 1.0]],
-        };
-        assert_eq!(bilinear(&texture, Vec2::new(0.25, 0.75)), [1.0, 0.0, 0.0]);
-        assert_eq!(bilinear(&texture, Vec2::new(0.25, 0.25)), [0.0, 0.0, 1.0]);
-        assert_eq!(bilinear(&texture, Vec2::new(-0.25, 3.75)), [0.0, 1.0, 0.0]);
-        assert_eq!(bilinear(&texture, Vec2::new(0.5, 0.5)), [0.5, 0.5, 0.5]);
-        assert_eq!(bilinear(&texture, Vec2::NAN), [1.0; 3]);
-    }
 }

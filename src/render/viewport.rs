@@ -1,6 +1,6 @@
 use super::frame::{ColourSource, FrameInput};
 use super::gpu::{GpuError, read_texture};
-use super::pipelines::{CornerVertex, FrameUniform, Pass, Pipelines};
+use super::pipelines::{CornerVertex, FrameUniform, Pass, Pipelines, SceneKey};
 use super::target::Target;
 use super::textures;
 use crate::display::{Batch, DisplayMesh};
@@ -221,8 +221,7 @@ impl ViewportRenderer {
     ) -> wgpu::CommandBuffer {
         let limit = device.limits().max_texture_dimension_2d;
         let size_px = frame.size_px.map(|n| n.clamp(1, limit));
-        let samples = if frame.multisample { 4 } else { 1 };
-        self.fit_target(device, size_px, samples);
+        self.fit_target(device, size_px, samples(frame));
         let surfaces = match frame.source {
             ColourSource::Radiosity => Pass::Plain,
             ColourSource::FalseColour(_) => Pass::FalseColour,
@@ -231,7 +230,7 @@ impl ViewportRenderer {
         };
         let lines = if surfaces == Pass::Plain { Pass::LinesOnLit } else { Pass::Lines };
         for pass in [surfaces, Pass::Textured, Pass::Unlit, lines] {
-            self.pipelines.prepare_scene(device, pass, frame.tone_map, samples);
+            self.pipelines.prepare_scene(device, scene_key(frame, pass));
         }
         queue.write_buffer(&self.frame_buffer, 0, bytemuck::bytes_of(&self.frame_uniform(frame, size_px)));
         let mut encoder =
@@ -301,7 +300,7 @@ impl ViewportRenderer {
         });
         let Some(mesh) = &self.mesh else { return };
         let select = |pass: &mut wgpu::RenderPass<'_>, kind: Pass| {
-            if let Some(pipeline) = self.pipelines.scene(kind, frame.tone_map, target.samples) {
+            if let Some(pipeline) = self.pipelines.scene(scene_key(frame, kind)) {
                 pass.set_pipeline(pipeline);
             }
         };
@@ -390,4 +389,12 @@ impl ViewportRenderer {
         queue.submit([scene, encoder.finish()]);
         read_texture(device, queue, &texture)
     }
+}
+
+fn samples(frame: &FrameInput) -> u32 {
+    if frame.multisample { 4 } else { 1 }
+}
+
+fn scene_key(frame: &FrameInput, pass: Pass) -> SceneKey {
+    SceneKey { pass, tone_map: frame.tone_map, samples: samples(frame), stands_back: frame.wireframe }
 }

@@ -26,8 +26,15 @@ impl System {
     /// for all (see [`crate::effects::Effect::ColourBands`]).
     pub fn new(mesh: &PatchMesh, reflectance: &[[f64; 3]], lighting: &Lighting, colour: bool) -> Self {
         let bands = if colour { 3 } else { 1 };
-        let mut output: Vec<f64> =
-            lighting.lamps.iter().flat_map(|lamp| (0..bands).map(move |b| lamp.output()[b])).collect();
+        // Lamps may be coloured where all surfaces are grey; the one band then carries their mean.
+        let mut output: Vec<f64> = lighting
+            .lamps
+            .iter()
+            .flat_map(|lamp| {
+                let output = lamp.output();
+                if colour { output.to_vec() } else { vec![output.iter().sum::<f64>() / 3.0] }
+            })
+            .collect();
         if output.iter().all(|&o| o <= 0.0) {
             output.fill(1.0);
         }

@@ -42,6 +42,8 @@ pub struct App {
     pub(super) seen: Seen,
     pub(super) scale: Option<FalseColour>,
     pub(super) inspected: Option<u32>,
+    /// It was picked just now: its numbers scroll into view.
+    pub(super) inspect_fresh: bool,
     /// The lamp that stands alone, and the lamps before.
     pub(super) solo: Option<(usize, Lighting)>,
     pub(super) notice: Option<Notice>,
@@ -49,7 +51,6 @@ pub struct App {
     pub(super) files: Files,
     pub(super) path_dialog: Option<PathDialog>,
     pub(super) help_open: bool,
-    pub(super) tab_pressed: bool,
     pub(super) viewport: Option<Viewport>,
     pub(super) view_rect: egui::Rect,
     /// Where an orbit started: the point under the cursor.
@@ -90,6 +91,7 @@ impl App {
     /// Without a graphics adapter (in tests) everything but the picture works.
     pub fn new(cc: &eframe::CreationContext<'_>, worker: Box<dyn Worker>, state: UiState) -> Self {
         theme::apply(&cc.egui_ctx);
+        cc.egui_ctx.add_plugin(input::TabKey::default());
         Self {
             snapshot: worker.latest(),
             worker,
@@ -102,13 +104,13 @@ impl App {
             seen: Seen::default(),
             scale: None,
             inspected: None,
+            inspect_fresh: false,
             solo: None,
             notice: None,
             last_change: String::new(),
             files: Files::new(cc.egui_ctx.clone()),
             path_dialog: None,
             help_open: false,
-            tab_pressed: false,
             viewport: cc.wgpu_render_state.clone().map(Viewport::new),
             view_rect: egui::Rect::ZERO,
             pivot: None,
@@ -160,11 +162,12 @@ impl App {
     /// Where the camera stands, once a scene is shown.
     pub fn camera(&self) -> Option<crate::render::Camera> {
         let control = self.camera.as_ref()?;
+        let aspect = f64::from(self.view_size_px[0]) / f64::from(self.view_size_px[1]);
         Some(crate::render::Camera {
             eye: control.pose().eye,
             forward: control.forward(),
             up: control.up(),
-            fov_y_deg: control.pose().fov_y_deg,
+            fov_y_deg: fitted_fov(control.pose().fov_y_deg, aspect),
         })
     }
 
@@ -178,7 +181,6 @@ impl App {
         }
         if news.bases {
             self.picture.relight(&self.edits.lighting);
-            self.picture.relight_reference();
             self.stale.light = true;
             self.stale.exposure = true;
         }
@@ -228,6 +230,10 @@ impl App {
                 self.path_dialog = Some(PathDialog::new(kind, suggestion));
             }
             FileNews::Saved(path) => {
+                if path.extension().is_some_and(|e| e == "toml") {
+                    // What the window wrote itself is no change to load.
+                    self.files.watch(self.scene_shown.as_ref().map(|scene| &scene.source));
+                }
                 let text = format!("Saved {}", path.display());
                 self.notice = Some(Notice { text, is_error: false, since: time });
             }
@@ -245,7 +251,9 @@ impl App {
     /// Writes the picture that egui has read back, cut to the view.
     fn take_screenshot(&mut self) {
         let arrived = self.screenshot_arrived.lock().ok().and_then(|mut slot| slot.take());
-        if let (Some(image), Some(path)) = (arrived, self.screenshot.take()) {
+        if let Some(image) = arrived
+            && let Some(path) = self.screenshot.take()
+        {
             let cut = image.region(&self.view_rect, None);
             self.files.save_picture(path, cut);
         }
@@ -300,8 +308,10 @@ impl App {
             scene: prepared.map(|p| &*p.scene),
             mesh: prepared.map(|p| &*p.mesh),
             light: &self.picture.light,
+            light_version: self.picture.light_version,
             reflectance: &self.picture.reflectance,
             aspect: prepared.map_or(&[], |p| &p.aspect),
+            full_lumens: prepared.map_or(&[], |p| &p.full_lumens),
             edits: &self.edits,
             state: &self.state,
             views: &self.views,
@@ -309,6 +319,7 @@ impl App {
             ev: self.exposure_in_force().ev100,
             fov_deg: self.camera.as_ref().map_or(60.0, |c| c.pose().fov_y_deg),
             inspected: self.inspected,
+            inspect_fresh: self.inspect_fresh,
             solo: self.solo.as_ref().map(|(lamp, _)| *lamp),
             has_comparison: self.picture.has_comparison(),
             last_change: &self.last_change,
@@ -347,12 +358,13 @@ impl eframe::App for App {
 
     fn ui(&mut self, ui: &mut egui::Ui, _frame: &mut eframe::Frame) {
         let mut out = Commands::new();
-        if std::mem::take(&mut self.tab_pressed) {
+        if input::take_tab(ui.ctx()) {
             out.push(super::command::Command::TogglePanels);
         }
         input::commands(ui.ctx(), &self.model(), self.help_open, &mut out);
         self.dropped_files(ui, &mut out);
         self.panels(ui, &mut out);
+        self.inspect_fresh = false;
         // Before the picture is drawn: a switched lamp is dark in this very frame.
         self.execute_all(ui.ctx(), &mut out);
         let pointer_up = ui.input(|i| !i.pointer.any_down());
@@ -368,24 +380,6 @@ impl eframe::App for App {
         }
     }
 
-    fn raw_input_hook(&mut self, ctx: &egui::Context, raw_input: &mut egui::RawInput) {
-        // Tab folds the panels unless the keyboard is among the widgets already: F6 takes it there.
-        if ctx.memory(|m| m.focused()).is_some() {
-            return;
-        }
-        raw_input.events.retain_mut(|event| match event {
-            egui::Event::Key { key: egui::Key::Tab, pressed, modifiers, .. } if modifiers.is_none() => {
-                self.tab_pressed |= *pressed;
-                false
-            }
-            egui::Event::Key { key, .. } if *key == egui::Key::F6 => {
-                *key = egui::Key::Tab;
-                true
-            }
-            _ => true,
-        });
-    }
-
     fn save(&mut self, storage: &mut dyn eframe::Storage) {
         eframe::set_value(storage, STORAGE_KEY, &self.state);
     }
@@ -393,6 +387,17 @@ impl eframe::App for App {
     fn clear_color(&self, _visuals: &egui::Visuals) -> [f32; 4] {
         theme::BACKDROP.to_normalized_gamma_f32()
     }
+}
+
+/// Narrowest view, width over height, that a field of view is meant for.
+const MEANT_ASPECT: f64 = 1.45;
+
+/// The vertical field of view, degrees, with which a narrower view keeps what a bookmark shows
+/// from left to right.
+fn fitted_fov(fov_y_deg: f64, aspect: f64) -> f64 {
+    let narrow = (MEANT_ASPECT / aspect.max(0.1)).max(1.0);
+    let half = (0.5 * fov_y_deg.to_radians()).tan() * narrow;
+    (2.0 * half.atan().to_degrees()).min(140.0)
 }
 
 fn scroll(ui: &mut egui::Ui, name: &str, contents: impl FnOnce(&mut egui::Ui)) {
@@ -408,4 +413,18 @@ fn resident_bytes() -> Option<u64> {
     let status = std::fs::read_to_string("/proc/self/status").ok()?;
     let line = status.lines().find_map(|line| line.strip_prefix("VmRSS:"))?;
     line.trim().strip_suffix("kB")?.trim().parse::<u64>().ok().map(|kb| kb * 1024)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::fitted_fov;
+
+    #[test]
+    fn a_narrow_view_keeps_the_width_and_a_wide_one_the_height() {
+        assert!((fitted_fov(50.0, 1.6) - 50.0).abs() < 1e-9);
+        let width = |fov: f64, aspect: f64| (0.5 * fov.to_radians()).tan() * aspect;
+        let narrow = fitted_fov(50.0, 1.0);
+        assert!((width(narrow, 1.0) - width(50.0, 1.45)).abs() < 1e-9, "{narrow}");
+        assert!(fitted_fov(110.0, 0.2) <= 140.0);
+    }
 }

@@ -1,37 +1,11 @@
 //! Colours that lamps and materials are edited in: linear R, G, B, sRGB and colour temperature.
 
+use crate::scene::black_body;
+
 /// Lowest colour temperature offered, kelvin: candlelight.
 pub(super) const MIN_KELVIN: f64 = 1800.0;
 /// Highest colour temperature offered, kelvin: clear northern sky.
 pub(super) const MAX_KELVIN: f64 = 12000.0;
-
-/// Linear Rec. 709 R, G, B of a black body, with luminance one; negative parts are cut to zero.
-///
-/// `kelvin` is clamped to 1667..25000, the range of the fit of the Planckian locus by Kim et al.
-/// (US patent 7024034, 2002).
-pub(super) fn black_body(kelvin: f64) -> [f64; 3] {
-    let t = 1e3 / kelvin.clamp(1667.0, 25_000.0);
-    let x = if t >= 0.25 {
-        -0.266_123_9 * t * t * t - 0.234_358_9 * t * t + 0.877_695_6 * t + 0.179_910
-    } else {
-        -3.025_846_9 * t * t * t + 2.107_037_9 * t * t + 0.222_634_7 * t + 0.240_390
-    };
-    let y = if kelvin < 2222.0 {
-        -1.106_381_4 * x * x * x - 1.348_110_2 * x * x + 2.185_558_32 * x - 0.202_196_83
-    } else if kelvin < 4000.0 {
-        -0.954_947_6 * x * x * x - 1.374_185_93 * x * x + 2.091_370_15 * x - 0.167_488_67
-    } else {
-        3.081_758_0 * x * x * x - 5.873_386_70 * x * x + 3.751_129_97 * x - 0.370_014_83
-    };
-    // CIE xyY with Y = 1 to linear Rec. 709 (IEC 61966-2-1).
-    let (big_x, big_z) = (x / y, (1.0 - x - y) / y);
-    [
-        3.240_625_5 * big_x - 1.537_208 - 0.498_628_6 * big_z,
-        -0.968_930_7 * big_x + 1.875_756_1 + 0.041_517_5 * big_z,
-        0.055_710_1 * big_x - 0.204_021_1 + 1.056_995_9 * big_z,
-    ]
-    .map(|c| c.max(0.0))
-}
 
 /// Linear light to sRGB, both 0 to 1 (IEC 61966-2-1).
 pub(super) fn srgb_of_linear(linear: f64) -> f64 {
@@ -84,18 +58,6 @@ pub(super) fn nearest_kelvin(linear: [f64; 3]) -> Option<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn daylight_is_near_white_and_candles_are_orange() {
-        let day = black_body(6500.0);
-        assert!(day.iter().all(|c| (c - 1.0).abs() < 0.06), "{day:?}");
-        let candle = black_body(1900.0);
-        assert!(candle[0] > 2.0 * candle[1] && candle[1] > 4.0 * candle[2], "{candle:?}");
-        for kelvin in [1800.0, 2700.0, 4000.0, 6500.0, 10_000.0] {
-            let luminance = crate::scene::luminance_weighted(black_body(kelvin));
-            assert!((luminance - 1.0).abs() < 0.02, "{kelvin}: {luminance}");
-        }
-    }
 
     #[test]
     fn temperatures_are_found_again() {

@@ -85,6 +85,8 @@ pub(super) enum Command {
     Home,
     /// Keep the present view as a bookmark until the scene is closed.
     StoreView,
+    /// Write lamps, materials and bookmarks as they are to the scene's sidecar.
+    SaveSidecar,
     /// Walk or fly.
     SetMotion(Motion),
     /// Eyes above the floor, metres.

@@ -69,6 +69,7 @@ impl App {
                 self.go_to(start);
             }
             Command::StoreView => self.store_view(),
+            Command::SaveSidecar => self.save_sidecar(),
             Command::SetMotion(motion) => {
                 self.state.motion = motion;
                 if let Some(camera) = &mut self.camera {
@@ -90,7 +91,10 @@ impl App {
             Command::Pause(false) => self.worker.resume(),
             Command::Stop => self.worker.stop(),
             Command::Solve(settings) => self.worker.set_settings(settings),
-            Command::Inspect(patch) => self.inspected = patch,
+            Command::Inspect(patch) => {
+                self.inspected = patch;
+                self.inspect_fresh = patch.is_some();
+            }
             Command::JumpToPatch(patch) => self.jump_to(patch),
             Command::TogglePanels => {
                 let open = self.state.left_open || self.state.right_open;
@@ -287,14 +291,16 @@ impl App {
     }
 
     fn store_view(&mut self) {
-        let Some(camera) = self.camera() else { return };
+        let Some(control) = &self.camera else { return };
+        let pose = control.pose();
+        let target = pose.eye + control.forward();
         let free = |k: &usize| self.views.iter().all(|v| v.name != format!("View {k}"));
         let number = (self.views.len() + 1..).find(free).unwrap_or(1);
         self.views.push(View {
             name: format!("View {number}"),
-            eye: camera.eye,
-            target: camera.eye + camera.forward,
-            fov_y_deg: camera.fov_y_deg,
+            eye: pose.eye,
+            target,
+            fov_y_deg: pose.fov_y_deg,
         });
         self.view_index = Some(self.views.len() - 1);
     }
@@ -369,6 +375,14 @@ impl App {
             tone_map: self.edits.display.tone_map,
         };
         self.files.save(kind, path, job);
+    }
+
+    /// Writes what was edited beside the scene's file.
+    fn save_sidecar(&self) {
+        let Some(scene) = &self.scene_shown else { return };
+        let SceneSource::File(path) = &scene.source else { return };
+        let edits = self.edits.clone();
+        self.files.save_sidecar(path, Arc::clone(scene), edits, self.views.clone());
     }
 
     /// Tells the user something that went wrong.

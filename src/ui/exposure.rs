@@ -5,9 +5,7 @@
 //! the exposure lies midway, in stops, between what the view needs as its lamps stand and what it
 //! needs with the lamps as they come with the file.
 
-use crate::display::{Exposure, luminance, meter};
-use crate::mesh::PatchMesh;
-use crate::solver::PatchLight;
+use crate::display::{Exposure, meter};
 
 /// Time constant with which the exposure follows the camera, seconds.
 const EASE: f64 = 0.15;
@@ -32,24 +30,12 @@ impl Default for AutoExposure {
 }
 
 impl AutoExposure {
-    /// Measures what `seen` (patches under a grid of rays) needs. With `at_once` the exposure
-    /// jumps there, as it must when the light changed; otherwise it eases.
-    pub(super) fn measure(
-        &mut self,
-        mesh: &PatchMesh,
-        seen: &[u32],
-        now: &PatchLight,
-        reference: &PatchLight,
-        at_once: bool,
-    ) {
-        let metered = |light: &PatchLight| {
-            let samples = seen.iter().filter_map(|&p| {
-                let shines = mesh.patches.get(p as usize)?.luminaire.is_some();
-                (!shines).then(|| Some((luminance(*light.radiosity.get(p as usize)?), 1.0)))?
-            });
-            meter(samples).map(|exposure| exposure.ev100)
-        };
-        let target = match (metered(now), metered(reference)) {
+    /// Measures what a view needs from luminances in cd/m² under a grid of rays: as the lamps stand,
+    /// and as they come with the file. With `at_once` the exposure jumps there, as it must when the
+    /// light changed; otherwise it eases.
+    pub(super) fn measure(&mut self, [now, usual]: &[Vec<f64>; 2], at_once: bool) {
+        let metered = |values: &[f64]| meter(values.iter().map(|&v| (v, 1.0))).map(|e| e.ev100);
+        let target = match (metered(now), metered(usual)) {
             (Some(now), Some(usual)) => usual + 0.5 * (now - usual).clamp(-REACH, REACH),
             (Some(ev), None) | (None, Some(ev)) => ev,
             (None, None) => return,
@@ -83,50 +69,29 @@ impl AutoExposure {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::mesh::{Patch, Side};
-    use glam::DVec3;
 
-    fn mesh(patches: usize) -> PatchMesh {
-        let patch = Patch {
-            region: 0,
-            side: Side::Front,
-            surface: 0,
-            material: 0,
-            luminaire: None,
-            pieces: 0..0,
-            centre: DVec3::ZERO,
-            normal: DVec3::Y,
-            area: 1.0,
-            reflectance: [0.5; 3],
-            emission_weight: [0.0; 3],
-            radius: 1.0,
-        };
-        PatchMesh { patches: vec![patch; patches], ..PatchMesh::default() }
-    }
-
-    fn light(radiosity: f32) -> PatchLight {
-        PatchLight { irradiance: vec![[radiosity; 3]; 4], radiosity: vec![[radiosity; 3]; 4] }
+    /// Luminances of a view in which everything is this bright, now and usually.
+    fn view(now: f64, usual: f64) -> [Vec<f64>; 2] {
+        [now, usual].map(|value| vec![value; 4])
     }
 
     #[test]
     fn half_of_a_dimming_is_seen_and_at_once() {
-        let (mesh, seen) = (mesh(4), [0, 1, 2, 3]);
         let mut auto = AutoExposure::default();
-        auto.measure(&mesh, &seen, &light(8.0), &light(8.0), false);
+        auto.measure(&view(8.0, 8.0), false);
         let before = auto.ev();
-        auto.measure(&mesh, &seen, &light(2.0), &light(8.0), true);
+        auto.measure(&view(2.0, 8.0), true);
         assert!((auto.ev() - (before - 1.0)).abs() < 1e-6, "two stops less light, one stop opened");
-        auto.measure(&mesh, &seen, &light(0.0), &light(8.0), true);
+        auto.measure(&view(0.0, 8.0), true);
         assert!((auto.ev() - before).abs() < 1e-6, "in the dark the usual exposure stays");
     }
 
     #[test]
     fn a_new_view_is_followed_smoothly_and_to_the_end() {
-        let (mesh, seen) = (mesh(4), [0, 1, 2, 3]);
         let mut auto = AutoExposure::default();
-        auto.measure(&mesh, &seen, &light(8.0), &light(8.0), false);
+        auto.measure(&view(8.0, 8.0), false);
         let before = auto.ev();
-        auto.measure(&mesh, &seen, &light(16.0), &light(16.0), false);
+        auto.measure(&view(16.0, 16.0), false);
         assert_eq!(auto.ev(), before);
         let mut frames = 0;
         while auto.is_moving() && frames < 500 {

@@ -3,12 +3,13 @@
 
 use super::command::SaveKind;
 use super::picture::Prepared;
+use super::state::Edits;
 use crate::display::{Exposure, Shading, ToneMap, srgb_encode};
 use crate::export::{
     ExportError, LitMesh, PatchRow, StillLayers, write_exr, write_patch_table, write_ply, write_png,
 };
 use crate::render::{Camera, StillInput, StillOptions, render_still};
-use crate::scene::{Lighting, SceneSource};
+use crate::scene::{Lighting, Scene, SceneSource, View, sidecar_path, write_sidecar};
 use crate::solver::{PatchLight, patch_emission};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -141,6 +142,26 @@ impl Files {
                 SaveKind::LitMesh => save_lit_mesh(&path, &job),
             };
             told(result, path)
+        });
+    }
+
+    /// Writes lamps, repainted materials and bookmarks to the sidecar of the scene in `path`.
+    pub(super) fn save_sidecar(&self, path: &Path, scene: Arc<Scene>, edits: Edits, views: Vec<View>) {
+        let sidecar = sidecar_path(path);
+        self.spawn("save sidecar", move || {
+            let mut scene = Arc::unwrap_or_clone(scene);
+            scene.views = views;
+            let mut repainted = Vec::new();
+            for (index, value) in edits.reflectance.iter().enumerate() {
+                if let (Some(reflectance), Some(material)) = (value, scene.materials.get_mut(index)) {
+                    material.reflectance = *reflectance;
+                    repainted.push(index as u32);
+                }
+            }
+            match write_sidecar(&sidecar, &scene, &edits.lighting, &repainted) {
+                Ok(()) => FileNews::Saved(sidecar),
+                Err(error) => FileNews::SaveFailed(error.to_string()),
+            }
         });
     }
 

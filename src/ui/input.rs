@@ -9,6 +9,41 @@ use egui::{Context, Key, Modifiers};
 /// Steps of the exposure keys, stops.
 const EXPOSURE_STEP: f64 = 0.5;
 
+/// Keeps the Tab key from egui's focus, for the panels to fold, unless the keyboard is among the
+/// widgets already; F6 takes it there.
+#[derive(Default)]
+pub(super) struct TabKey {
+    pressed: bool,
+}
+
+impl egui::Plugin for TabKey {
+    fn debug_name(&self) -> &'static str {
+        "tab key"
+    }
+
+    fn input_hook(&mut self, ctx: &Context, input: &mut egui::RawInput) {
+        if ctx.memory(|m| m.focused()).is_some() {
+            return;
+        }
+        input.events.retain_mut(|event| match event {
+            egui::Event::Key { key: Key::Tab, pressed, modifiers, .. } if modifiers.is_none() => {
+                self.pressed |= *pressed;
+                false
+            }
+            egui::Event::Key { key, .. } if *key == Key::F6 => {
+                *key = Key::Tab;
+                true
+            }
+            _ => true,
+        });
+    }
+}
+
+/// Whether Tab was pressed for the panels since the last look.
+pub(super) fn take_tab(ctx: &Context) -> bool {
+    ctx.with_plugin(|tab: &mut TabKey| std::mem::take(&mut tab.pressed)).unwrap_or(false)
+}
+
 /// Whether keys belong to the scene and not to a widget.
 pub(super) fn keys_are_free(ctx: &Context) -> bool {
     !ctx.egui_wants_keyboard_input()

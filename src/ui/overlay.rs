@@ -89,35 +89,45 @@ pub(super) fn readout(ui: &egui::Ui, view: Rect, model: &Model<'_>, pick: &Pick)
     else {
         return;
     };
-    let size = Vec2::new(300.0, 62.0);
+    let lux = units::digits(illuminance(irradiance.map(f64::from)));
+    let cd = units::digits(luminance(*radiosity));
+    let rho = model.reflectance.get(id).copied().unwrap_or_default().map(f64::from);
+    let material = scene.materials.get(patch.material as usize).map_or("", |m| m.name.as_str());
+    let lamp = patch.luminaire.and_then(|l| scene.luminaires.get(l as usize));
+    let what = match lamp {
+        Some(lamp) => format!("{}  -  click to switch", shortened(&lamp.name, 36)),
+        None => {
+            let rho = crate::scene::luminance_weighted(rho);
+            format!("{}  -  reflectance {rho:.2}", shortened(material, 30))
+        }
+    };
+    let distance = units::digits(pick.distance / scene.unit.metres());
+    let b = radiosity.map(|x| units::digits(f64::from(x))).join(" ");
+    let patch = format!("patch {}  -  B {b} W/m²  -  {distance} {}", units::count(id), scene.unit.symbol());
+    let lines = [
+        (format!("{lux} lx     {cd} cd/m²"), 17.0, theme::TEXT),
+        (what, 11.5, theme::TEXT),
+        (patch, 11.5, theme::TEXT_WEAK),
+    ];
+    let painter = ui.painter_at(view);
+    let galleys = lines.map(|(text, size, colour)| {
+        (painter.layout_no_wrap(text, egui::FontId::proportional(size), colour), colour)
+    });
+    let width = galleys.iter().map(|(galley, _)| galley.size().x).fold(0.0, f32::max);
+    let height: f32 = galleys.iter().map(|(galley, _)| galley.size().y).sum();
+    // A steady width: the ground must not jump with every number.
+    let size = Vec2::new(width.max(290.0) + 20.0, height + 14.0);
     let ground = Rect::from_min_size(egui::pos2(view.left() + 12.0, view.bottom() - 12.0 - size.y), size);
     if !view.contains_rect(ground) {
         return;
     }
-    let painter = ui.painter_at(view);
     painter.rect_filled(ground, 5.0, Color32::from_black_alpha(178));
-    let at = ground.min + Vec2::new(10.0, 7.0);
-    let big = egui::FontId::proportional(17.0);
-    let small = egui::FontId::proportional(11.5);
-    let lux = units::digits(illuminance(irradiance.map(f64::from)));
-    let cd = units::digits(luminance(*radiosity));
-    painter.text(at, Align2::LEFT_TOP, format!("{lux} lx"), big.clone(), theme::TEXT);
-    painter.text(at + Vec2::new(130.0, 0.0), Align2::LEFT_TOP, format!("{cd} cd/m²"), big, theme::TEXT);
-    let rho = model.reflectance.get(id).copied().unwrap_or_default().map(f64::from);
-    let material = scene.materials.get(patch.material as usize).map_or("", |m| m.name.as_str());
-    let lamp = patch.luminaire.and_then(|l| scene.luminaires.get(l as usize));
-    let line = match lamp {
-        Some(lamp) => format!("{}  -  click to switch", lamp.name),
-        None => {
-            format!("{}  reflectance {:.2}", shortened(material, 26), crate::scene::luminance_weighted(rho))
-        }
-    };
-    painter.text(at + Vec2::new(0.0, 22.0), Align2::LEFT_TOP, line, small.clone(), theme::TEXT);
-    let unit = scene.unit;
-    let distance = units::digits(pick.distance / unit.metres());
-    let b = radiosity.map(|x| units::digits(f64::from(x))).join(" ");
-    let line = format!("patch {}  -  B {b} W/m²  -  {distance} {} away", units::count(id), unit.symbol());
-    painter.text(at + Vec2::new(0.0, 37.0), Align2::LEFT_TOP, shortened(&line, 60), small, theme::TEXT_WEAK);
+    let mut at = ground.min + Vec2::new(10.0, 7.0);
+    for (galley, colour) in galleys {
+        let down = galley.size().y;
+        painter.galley(at, galley, colour);
+        at.y += down;
+    }
 }
 
 fn shortened(text: &str, most: usize) -> String {

@@ -5,11 +5,13 @@
 
 use super::collision::Obstacles;
 use super::state::{DisplaySettings, Quantity, ShadingMode};
-use crate::display::{ColourMap, DisplayMesh, FalseColour, Shading, patch_illuminance, patch_luminance};
+use crate::display::{
+    ColourMap, DisplayMesh, FalseColour, Shading, luminance, patch_illuminance, patch_luminance,
+};
 use crate::geometry::Aabb;
 use crate::mesh::{Patch, PatchMesh, Side};
 use crate::render::Picker;
-use crate::scene::{Lighting, Scene};
+use crate::scene::{Lighting, Scene, luminance_weighted};
 use crate::session::Snapshot;
 use crate::solver::{LightBases, PatchLight};
 use std::sync::Arc;
@@ -27,6 +29,8 @@ pub(super) struct Prepared {
     /// Longest extent squared over area, a patch each.
     pub(super) aspect: Vec<f32>,
     pub(super) bounds: Aabb,
+    /// Luminous flux of each lamp at full output as it comes with the file, lm.
+    pub(super) full_lumens: Vec<f64>,
 }
 
 impl Prepared {
@@ -37,6 +41,7 @@ impl Prepared {
             picker: Picker::new(&mesh),
             obstacles: Obstacles::of_mesh(&mesh, scene.up.vector()),
             aspect: mesh.patches.iter().map(|p| aspect(&mesh, p)).collect(),
+            full_lumens: crate::scene::lumens(&scene).into_iter().map(|[full, _]| full).collect(),
             bounds: Aabb::around(mesh.vertices.iter().copied()),
             scene,
             mesh,
@@ -74,8 +79,8 @@ pub(super) struct Picture {
     pub(super) reflectance: Arc<Vec<[f32; 3]>>,
     /// As the lamps stand.
     pub(super) light: PatchLight,
-    /// As the lamps come with the file: what the exposure is measured against.
-    pub(super) reference: PatchLight,
+    /// Grows with every change of `light`.
+    pub(super) light_version: u64,
     /// Illuminance of state A, lux, and the mesh that it belongs to.
     comparison: Option<(u64, Vec<f32>)>,
 }
@@ -93,7 +98,8 @@ impl Picture {
                     self.prepared = Some(Arc::new(prepared));
                     self.building = None;
                     self.bases = None;
-                    (self.light, self.reference) = Default::default();
+                    self.light = PatchLight::default();
+                    self.light_version += 1;
                     news.mesh = true;
                 }
                 Ok(_) | Err(TryRecvError::Disconnected) => self.building = None,
@@ -144,18 +150,32 @@ impl Picture {
     pub(super) fn relight(&mut self, lighting: &Lighting) {
         if let (Some(prepared), Some(bases)) = (&self.prepared, &self.bases) {
             self.light = bases.mix(&prepared.mesh, lighting, &self.reflectance);
+            self.light_version += 1;
         }
     }
 
-    /// The light as the lamps come with the file; with all of them on where none is.
-    pub(super) fn relight_reference(&mut self) {
-        if let (Some(prepared), Some(bases)) = (&self.prepared, &self.bases) {
-            let mut lighting = prepared.scene.lighting();
-            if lighting.lamps.iter().all(|lamp| !lamp.on) {
-                lighting.lamps.iter_mut().for_each(|lamp| lamp.on = true);
+    /// Luminances in cd/m² of `seen` patches that are no lamps: as the lamps stand, and as they come
+    /// with the file (all of them on, where none is).
+    pub(super) fn metered(&self, seen: &[u32]) -> [Vec<f64>; 2] {
+        let (Some(prepared), Some(bases)) = (&self.prepared, &self.bases) else { return Default::default() };
+        let usual = usual_lighting(&prepared.scene);
+        let outputs: Vec<[f64; 3]> = usual.lamps.iter().map(|lamp| lamp.output()).collect();
+        let lit = |&p: &u32| prepared.mesh.patches.get(p as usize).is_some_and(|p| p.luminaire.is_none());
+        let patches = || seen.iter().filter(|p| lit(p)).map(|&p| p as usize);
+        let now = patches().filter_map(|p| Some(luminance(*self.light.radiosity.get(p)?))).collect();
+        let usual = patches().filter_map(|p| {
+            let stride = bases.lamps * bases.bands;
+            let values = bases.values.get(p * stride..(p + 1) * stride)?;
+            let rho = self.reflectance.get(p)?;
+            let mut radiosity = [0.0_f32; 3];
+            for (factors, output) in values.chunks_exact(bases.bands.max(1)).zip(&outputs) {
+                for band in 0..3 {
+                    radiosity[band] += rho[band] * factors[band.min(bases.bands - 1)] * output[band] as f32;
+                }
             }
-            self.reference = bases.mix(&prepared.mesh, &lighting, &self.reflectance);
-        }
+            Some(luminance(radiosity))
+        });
+        [now, usual.collect()]
     }
 
     /// Keeps the present illuminance as state A.
@@ -188,7 +208,7 @@ impl Picture {
                 now.iter().zip(stored).map(|(now, stored)| now - stored).collect()
             }
             Quantity::Reflectance => {
-                let rho = |r: &[f32; 3]| crate::scene::luminance_weighted(r.map(f64::from)) as f32;
+                let rho = |r: &[f32; 3]| luminance_weighted(r.map(f64::from)) as f32;
                 self.reflectance.iter().map(rho).collect()
             }
             Quantity::Sides => {
@@ -200,11 +220,36 @@ impl Picture {
         }
     }
 
-    /// Radiosities at the corners that are drawn.
-    pub(super) fn corner_radiosity(&self, shading: ShadingMode) -> Vec<[f32; 3]> {
-        self.prepared.as_ref().map_or_else(Vec::new, |p| {
-            p.display.corner_radiosity(&self.light.radiosity, &self.light.irradiance, shading_of(shading))
-        })
+    /// Radiosities at the corners that are drawn, each band times its gain.
+    pub(super) fn corner_radiosity(&self, shading: ShadingMode, gains: [f32; 3]) -> Vec<[f32; 3]> {
+        let Some(prepared) = &self.prepared else { return Vec::new() };
+        let (radiosity, irradiance) = (&self.light.radiosity, &self.light.irradiance);
+        let mut corners = prepared.display.corner_radiosity(radiosity, irradiance, shading_of(shading));
+        if gains != [1.0; 3] {
+            for corner in &mut corners {
+                *corner = std::array::from_fn(|b| corner[b] * gains[b]);
+            }
+        }
+        corners
+    }
+
+    /// Gains per band that turn the light of the lamps towards white: as much by the lamps as they
+    /// stand as by those of the file, as the exposure does.
+    pub(super) fn white_balance(&self, lighting: &Lighting) -> [f32; 3] {
+        let Some(prepared) = &self.prepared else { return [1.0; 3] };
+        // Chromaticity alone: of luminance one, black where nothing shines.
+        let colour_of = |lighting: &Lighting| {
+            let mut flux = [0.0; 3];
+            for (luminaire, lamp) in prepared.scene.luminaires.iter().zip(&lighting.lamps) {
+                for (sum, output) in flux.iter_mut().zip(lamp.output()) {
+                    *sum += output * luminaire.area;
+                }
+            }
+            let total = luminance_weighted(flux);
+            if total > 0.0 { flux.map(|f| f / total) } else { [0.0; 3] }
+        };
+        let (usual, now) = (colour_of(&usual_lighting(&prepared.scene)), colour_of(lighting));
+        white_gains(std::array::from_fn(|b| usual[b] + now[b]))
     }
 
     /// False-colour values at the corners that are drawn.
@@ -214,6 +259,29 @@ impl Picture {
             if display.quantity.follows_light() { shading_of(display.shading) } else { Shading::Flat };
         self.prepared.as_ref().map_or_else(Vec::new, |p| p.display.corner_scalars(values, shading))
     }
+}
+
+/// The lamps as they come with the file; all of them on where none is.
+fn usual_lighting(scene: &Scene) -> Lighting {
+    let mut lighting = scene.lighting();
+    if lighting.lamps.iter().all(|lamp| !lamp.on) {
+        lighting.lamps.iter_mut().for_each(|lamp| lamp.on = true);
+    }
+    lighting
+}
+
+/// Share of the way to white that eyes adapt in a room lit by coloured light.
+const ADAPTATION: f64 = 0.65;
+
+/// Von Kries (1902) in the three bands, in part, and without a change of luminance.
+fn white_gains(flux: [f64; 3]) -> [f32; 3] {
+    let mean = luminance_weighted(flux);
+    if mean <= 0.0 || flux.iter().any(|&f| f <= 0.01 * mean) {
+        return [1.0; 3];
+    }
+    let gains = flux.map(|f| (mean / f).powf(ADAPTATION));
+    let after = luminance_weighted(std::array::from_fn(|b| gains[b] * flux[b]));
+    gains.map(|g| (g * mean / after) as f32)
 }
 
 /// The scale of a quantity: its pinned range, or one that fits.
@@ -235,5 +303,22 @@ pub(super) fn shading_of(mode: ShadingMode) -> Shading {
     match mode {
         ShadingMode::Smooth => Shading::Gouraud,
         ShadingMode::Flat => Shading::Flat,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn warm_light_is_turned_towards_white_and_keeps_its_luminance() {
+        let warm = [2.0, 1.0, 0.35];
+        let gains = white_gains(warm).map(f64::from);
+        let after: [f64; 3] = std::array::from_fn(|b| warm[b] * gains[b]);
+        assert!((luminance_weighted(after) - luminance_weighted(warm)).abs() < 1e-6);
+        let ratio = after[0] / after[2];
+        assert!(ratio > 1.2 && ratio < 0.5 * warm[0] / warm[2], "still warm, but less so: {ratio}");
+        assert_eq!(white_gains([1.0; 3]), [1.0; 3]);
+        assert_eq!(white_gains([1.0, 0.0, 0.0]), [1.0; 3], "nobody adapts to one band");
     }
 }

@@ -111,6 +111,8 @@ pub struct DisplaySettings {
     pub ev: f64,
     /// Correction of the automatic exposure, stops; positive is brighter.
     pub compensation: f64,
+    /// Colours as eyes see them that have adapted to the lamps.
+    pub white_balance: bool,
     /// From exposed light to the display.
     #[serde(with = "tone_by_name")]
     pub tone_map: ToneMap,
@@ -134,9 +136,10 @@ impl Default for DisplaySettings {
             auto_exposure: true,
             ev: 6.0,
             compensation: 0.0,
+            white_balance: true,
             tone_map: ToneMap::default(),
             range: None,
-            logarithmic: true,
+            logarithmic: false,
             wireframe: false,
             show_unlit: false,
             readout: true,

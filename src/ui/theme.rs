@@ -22,7 +22,7 @@ pub(super) const PANEL: Color32 = Color32::from_gray(31);
 pub(super) const BACKDROP: Color32 = Color32::from_gray(20);
 
 /// Width of a side panel, points.
-pub(super) const PANEL_WIDTH: f32 = 264.0;
+pub(super) const PANEL_WIDTH: f32 = 276.0;
 
 /// Dresses the whole window.
 pub(super) fn apply(ctx: &egui::Context) {

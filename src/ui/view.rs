@@ -108,8 +108,7 @@ impl App {
                 self.seen.patches = prepared.picker.seen_patches(&camera, self.view_size_px, METER_GRID);
                 self.seen.from = from;
             }
-            let (now, usual) = (&self.picture.light, &self.picture.reference);
-            self.exposure.measure(&prepared.mesh, &self.seen.patches, now, usual, jump);
+            self.exposure.measure(&self.picture.metered(&self.seen.patches), jump);
         }
         if self.exposure.is_moving() {
             self.exposure.advance(ui.input(|i| f64::from(i.stable_dt)));
@@ -144,7 +143,12 @@ impl App {
                 viewport.upload(|renderer, _, queue| renderer.set_scalars(queue, &corners));
             }
         } else {
-            let corners = self.picture.corner_radiosity(display.shading);
+            let gains = if display.white_balance {
+                self.picture.white_balance(&self.edits.lighting)
+            } else {
+                [1.0; 3]
+            };
+            let corners = self.picture.corner_radiosity(display.shading, gains);
             if let Some(viewport) = &self.viewport {
                 viewport.upload(|renderer, _, queue| renderer.set_light(queue, &corners));
             }

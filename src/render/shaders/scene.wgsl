@@ -106,7 +106,7 @@ fn facing(v: Plain) -> f32 {
 }
 
 @fragment fn fs_unlit(v: Plain) -> @location(0) vec4f {
-    return vec4f(vec3f(0.012 + 0.03 * facing(v)), 1.0);
+    return vec4f(vec3f(0.02 + 0.09 * facing(v)), 1.0);
 }
 
 struct Line {
@@ -116,9 +116,9 @@ struct Line {
 }
 
 @vertex fn vs_line(corner: Corner, @location(4) light: vec3f) -> Line {
-    // A part in a thousand nearer than the surface that it lies on (depth is reversed).
+    // A little nearer than the surface that it lies on (depth is reversed).
     var position = clip(corner.position);
-    position.z *= 1.001;
+    position.z *= 1.0005;
     return Line(position, light, dot(corner.normal, frame.eye - corner.position));
 }
 

@@ -95,6 +95,9 @@ fn exposure(ui: &mut egui::Ui, model: &Model<'_>, new: &mut crate::ui::state::Di
                 .on_hover_text("Exposure value at ISO 100; lower is brighter");
         }
     });
+    ui.checkbox(&mut new.white_balance, "Adapt to the lamps' colour").on_hover_text(
+        "As eyes do: warm lamps look less orange. Numbers and saved radiance stay as they are",
+    );
     combo(ui, "Tone map", new.tone_map.name(), |ui| {
         for map in ToneMap::ALL {
             ui.selectable_value(&mut new.tone_map, map, map.name());

@@ -12,7 +12,7 @@ use egui::{Button, RichText};
 const LISTED: usize = 12;
 
 /// By what the list is sorted.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 enum SortBy {
     #[default]
     Aspect,
@@ -36,6 +36,9 @@ pub(in crate::ui) fn show(ui: &mut egui::Ui, model: &Model<'_>, out: &mut Comman
         empty(ui, "No scene is open.");
         return;
     };
+    if model.inspect_fresh {
+        ui.scroll_to_cursor(Some(egui::Align::TOP));
+    }
     match model.inspected.and_then(|id| Some((id, mesh.patches.get(id as usize)?))) {
         Some((id, patch)) => numbers(ui, model, scene, id, patch, out),
         None => empty(ui, "Ctrl-click a surface to look into its patch."),
@@ -52,7 +55,7 @@ pub(in crate::ui) fn show(ui: &mut egui::Ui, model: &Model<'_>, out: &mut Comman
         }
     });
     ui.data_mut(|d| d.insert_temp(id, sort));
-    for (patch, value) in worst(model, sort) {
+    for (patch, value) in listed(ui, model, sort) {
         let text = format!("{:>7}   {}", units::count(patch as usize), units::digits(value));
         let button = Button::selectable(model.inspected == Some(patch), RichText::new(text).monospace());
         if ui
@@ -64,6 +67,20 @@ pub(in crate::ui) fn show(ui: &mut egui::Ui, model: &Model<'_>, out: &mut Comman
             out.push(Command::JumpToPatch(patch));
         }
     }
+}
+
+/// The list as it was, or made anew where the sorting or the light has changed.
+fn listed(ui: &egui::Ui, model: &Model<'_>, sort: SortBy) -> Vec<(u32, f64)> {
+    type Kept = ((SortBy, u64), std::sync::Arc<Vec<(u32, f64)>>);
+    let (id, key) = (ui.scope_id().with("listed"), (sort, model.light_version));
+    if let Some((kept, list)) = ui.data(|d| d.get_temp::<Kept>(id))
+        && kept == key
+    {
+        return list.to_vec();
+    }
+    let list = worst(model, sort);
+    ui.data_mut(|d| d.insert_temp::<Kept>(id, (key, std::sync::Arc::new(list.clone()))));
+    list
 }
 
 fn worst(model: &Model<'_>, sort: SortBy) -> Vec<(u32, f64)> {

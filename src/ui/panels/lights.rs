@@ -1,7 +1,7 @@
 //! The lamps: a switch, a dimmer, solo and a colour each.
 
 use super::{Commands, Model, empty};
-use crate::scene::{LUMINOUS_EFFICACY, LampState, Luminaire, luminance_weighted};
+use crate::scene::{LUMINOUS_EFFICACY, LampState, Luminaire, black_body, luminance_weighted};
 use crate::ui::colour::{self, MAX_KELVIN, MIN_KELVIN};
 use crate::ui::command::Command;
 use crate::ui::{theme, units};
@@ -30,7 +30,9 @@ pub(in crate::ui) fn show(ui: &mut egui::Ui, model: &Model<'_>, out: &mut Comman
     });
     ui.add_space(2.0);
     for (index, (luminaire, &state)) in scene.luminaires.iter().zip(&model.edits.lighting.lamps).enumerate() {
-        ui.push_id(index, |ui| lamp_row(ui, model, index, luminaire, state, out));
+        let full_lumens = model.full_lumens.get(index).copied().unwrap_or(0.0);
+        let lamp = Lamp { luminaire, full_lumens };
+        ui.push_id(index, |ui| lamp_row(ui, model, index, lamp, state, out));
     }
 }
 
@@ -38,17 +40,17 @@ fn lamp_row(
     ui: &mut egui::Ui,
     model: &Model<'_>,
     index: usize,
-    luminaire: &Luminaire,
+    lamp: Lamp<'_>,
     state: LampState,
     out: &mut Commands,
 ) {
-    let name = &luminaire.name;
+    let name = &lamp.luminaire.name;
     let mut new = state;
     ui.horizontal(|ui| {
         ui.spacing_mut().item_spacing.x = 5.0;
         // The controls on the right keep their width; the name takes what is left.
         ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
-            colour_button(ui, luminaire, state, &mut new);
+            colour_button(ui, lamp, state, &mut new);
             let solo = Button::new("S").selected(model.solo == Some(index)).min_size(Vec2::new(20.0, 18.0));
             if ui
                 .add(solo)
@@ -58,12 +60,12 @@ fn lamp_row(
             {
                 out.push(Command::SoloLamp(index));
             }
-            ui.spacing_mut().slider_width = 58.0;
+            ui.spacing_mut().slider_width = 46.0;
             let mut percent = state.dimmer * 100.0;
             let slider = Slider::new(&mut percent, 0.0..=100.0).show_value(false);
             let dimmer = ui.add_enabled(state.on, slider).accessible_name(format!("Dim {name}"));
-            let dimmer = dimmer
-                .on_hover_text(format!("{percent:.0} %  -  {} lm", units::digits(lumens(luminaire, state))));
+            let dimmer =
+                dimmer.on_hover_text(format!("{percent:.0} %  -  {} lm", units::digits(lamp.lumens(state))));
             if dimmer.changed() {
                 new.dimmer = (percent / 100.0).clamp(0.0, 1.0);
             }
@@ -84,12 +86,27 @@ fn lamp_row(
     }
 }
 
-/// Luminous flux as switched and dimmed, lm.
-fn lumens(luminaire: &Luminaire, state: LampState) -> f64 {
-    LUMINOUS_EFFICACY * luminance_weighted(state.output()) * luminaire.area
+/// A lamp of the scene and its luminous flux at full output as it comes with the file, lm.
+#[derive(Clone, Copy)]
+struct Lamp<'a> {
+    luminaire: &'a Luminaire,
+    full_lumens: f64,
 }
 
-fn colour_button(ui: &mut egui::Ui, luminaire: &Luminaire, state: LampState, new: &mut LampState) {
+impl Lamp<'_> {
+    /// Luminous flux as switched and dimmed, lm.
+    fn lumens(&self, state: LampState) -> f64 {
+        let initial = luminance_weighted(self.luminaire.initial.exitance);
+        let now = luminance_weighted(state.output());
+        if initial > 0.0 {
+            self.full_lumens * now / initial
+        } else {
+            LUMINOUS_EFFICACY * now * self.luminaire.area
+        }
+    }
+}
+
+fn colour_button(ui: &mut egui::Ui, lamp: Lamp<'_>, state: LampState, new: &mut LampState) {
     let (_, hue) = colour::split(state.exitance);
     let [r, g, b] = colour::to_bytes(hue);
     let swatch = Button::new("").fill(Color32::from_rgb(r, g, b)).min_size(Vec2::new(20.0, 16.0));
@@ -98,12 +115,14 @@ fn colour_button(ui: &mut egui::Ui, luminaire: &Luminaire, state: LampState, new
             egui::containers::menu::MenuConfig::new()
                 .close_behavior(egui::PopupCloseBehavior::CloseOnClickOutside),
         )
-        .ui(ui, |ui| colour_menu(ui, luminaire, state, new));
-    response.on_hover_text("Colour and strength").accessible_name(format!("Colour of {}", luminaire.name));
+        .ui(ui, |ui| colour_menu(ui, lamp, state, new));
+    response
+        .on_hover_text("Colour and strength")
+        .accessible_name(format!("Colour of {}", lamp.luminaire.name));
 }
 
-fn colour_menu(ui: &mut egui::Ui, luminaire: &Luminaire, state: LampState, new: &mut LampState) {
-    let name = &luminaire.name;
+fn colour_menu(ui: &mut egui::Ui, lamp: Lamp<'_>, state: LampState, new: &mut LampState) {
+    let name = &lamp.luminaire.name;
     ui.set_min_width(230.0);
     ui.label(RichText::new(name).strong());
     let kelvin = colour::nearest_kelvin(state.exitance);
@@ -119,13 +138,13 @@ fn colour_menu(ui: &mut egui::Ui, luminaire: &Luminaire, state: LampState, new: 
         if ui.name_inputs(format!("Colour temperature of {name}"), |ui| ui.add(slider)).changed()
             && chosen != shown
         {
-            new.exitance = colour::recoloured(state.exitance, colour::black_body(chosen));
+            new.exitance = colour::recoloured(state.exitance, black_body(chosen));
         }
     });
     ui.horizontal(|ui| {
         for (label, kelvin) in [("Candle", 1900.0), ("Warm", 2700.0), ("Neutral", 4000.0), ("Day", 6500.0)] {
             if ui.button(label).on_hover_text(format!("{kelvin:.0} K")).clicked() {
-                new.exitance = colour::recoloured(state.exitance, colour::black_body(kelvin));
+                new.exitance = colour::recoloured(state.exitance, black_body(kelvin));
             }
         }
     });
@@ -145,7 +164,7 @@ fn colour_menu(ui: &mut egui::Ui, luminaire: &Luminaire, state: LampState, new: 
     ui.horizontal(|ui| {
         ui.label("Full output");
         let full = LampState { on: true, dimmer: 1.0, ..state };
-        let before = lumens(luminaire, full);
+        let before = lamp.lumens(full);
         let shown = before.round();
         let mut wanted = shown;
         let drag = egui::DragValue::new(&mut wanted)
@@ -158,11 +177,11 @@ fn colour_menu(ui: &mut egui::Ui, luminaire: &Luminaire, state: LampState, new: 
             new.exitance = if before > 0.0 {
                 state.exitance.map(|e| e * (wanted / before).max(1e-6))
             } else {
-                [wanted / (LUMINOUS_EFFICACY * luminaire.area.max(1e-9)); 3]
+                [wanted / (LUMINOUS_EFFICACY * lamp.luminaire.area.max(1e-9)); 3]
             };
         }
     });
     if ui.button("As the file has it").clicked() {
-        new.exitance = luminaire.initial.exitance;
+        new.exitance = lamp.luminaire.initial.exitance;
     }
 }

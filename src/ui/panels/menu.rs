@@ -84,6 +84,8 @@ fn file(ui: &mut egui::Ui, model: &Model<'_>, out: &mut Commands) {
         let key = if kind == SaveKind::Screenshot { "F12" } else { "" };
         item(ui, out, kind.title(), key, lit, Command::Save(kind));
     }
+    let has_file = model.scene.is_some_and(|scene| matches!(scene.source, SceneSource::File(_)));
+    item(ui, out, "Save lamps, materials and bookmarks", "", has_file, Command::SaveSidecar);
     ui.separator();
     item(ui, out, "Quit", "Ctrl-Q", true, Command::Quit);
 }

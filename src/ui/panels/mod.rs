@@ -28,10 +28,14 @@ pub(super) struct Model<'a> {
     pub(super) mesh: Option<&'a PatchMesh>,
     /// Their light as the lamps stand.
     pub(super) light: &'a PatchLight,
+    /// Grows with every change of `light`.
+    pub(super) light_version: u64,
     /// Their reflectance as solved for.
     pub(super) reflectance: &'a [[f32; 3]],
     /// Longest extent squared over area, a patch each.
     pub(super) aspect: &'a [f32],
+    /// Luminous flux of each lamp at full output as it comes with the file, lm.
+    pub(super) full_lumens: &'a [f64],
     /// What the user changed.
     pub(super) edits: &'a Edits,
     /// What the window remembers.
@@ -46,6 +50,8 @@ pub(super) struct Model<'a> {
     pub(super) fov_deg: f64,
     /// The patch looked into.
     pub(super) inspected: Option<u32>,
+    /// It was picked just now.
+    pub(super) inspect_fresh: bool,
     /// The lamp that stands alone.
     pub(super) solo: Option<usize>,
     /// Whether a state A is stored.

@@ -1,0 +1,5 @@
+//! The window: driven by the names of its controls, its keys and its mouse, and looked at.
+
+mod panels;
+mod pictures;
+mod support;

@@ -1,0 +1,287 @@
+//! The window driven by the names of its controls, its keys and its mouse.
+
+use crate::support::{Counting, solved, window};
+use egui::accesskit::Role;
+use egui::{Key, Modifiers, Pos2};
+use egui_kittest::Harness;
+use egui_kittest::kittest::Queryable as _;
+use lumenwalk::scene::illuminance;
+use lumenwalk::session::Stage;
+use lumenwalk::ui::{App, Motion, Quantity, ShadingMode};
+
+fn click(harness: &mut Harness<'_, App>, name: &str) {
+    harness.get_by_label(name).click();
+    harness.run_steps(3);
+}
+
+fn press(harness: &mut Harness<'_, App>, key: Key) {
+    harness.key_press(key);
+    harness.run_steps(3);
+}
+
+/// Area-weighted mean illuminance, lux.
+fn mean_lux(harness: &Harness<'_, App>) -> f64 {
+    let mesh = solved().mesh.clone().expect("meshed");
+    let light = harness.state().light();
+    let lit = mesh.patches.iter().zip(&light.irradiance);
+    let sum: f64 = lit.map(|(patch, h)| patch.area * illuminance(h.map(f64::from))).sum();
+    sum / mesh.statistics.area
+}
+
+fn switches(harness: &Harness<'_, App>) -> Vec<bool> {
+    harness.state().lighting().lamps.iter().map(|lamp| lamp.on).collect()
+}
+
+#[test]
+fn lamps_switch_without_asking_the_solver() {
+    let worker = Counting::showing(solved());
+    let mut harness = window(&worker, false);
+    let both = mean_lux(&harness);
+    click(&mut harness, "Ceiling lamp");
+    assert_eq!(switches(&harness), [false, true]);
+    let floor_alone = mean_lux(&harness);
+    click(&mut harness, "All off");
+    assert_eq!((switches(&harness), mean_lux(&harness)), (vec![false, false], 0.0));
+    click(&mut harness, "All on");
+    click(&mut harness, "Floor lamp");
+    let ceiling_alone = mean_lux(&harness);
+    // Light adds up: the solution is linear in the lamps.
+    assert!((floor_alone + ceiling_alone - both).abs() < 1e-4 * both, "{floor_alone} {ceiling_alone} {both}");
+    click(&mut harness, "Reset lamps");
+    assert!((mean_lux(&harness) - both).abs() < 1e-6 * both);
+    assert_eq!(worker.requests(), Vec::<String>::new(), "no solve for a switch");
+}
+
+#[test]
+fn solo_leaves_one_lamp_and_brings_the_others_back() {
+    let mut harness = window(&Counting::showing(solved()), false);
+    click(&mut harness, "Solo Floor lamp");
+    assert_eq!(switches(&harness), [false, true]);
+    click(&mut harness, "Solo Ceiling lamp");
+    assert_eq!(switches(&harness), [true, false]);
+    click(&mut harness, "Solo Ceiling lamp");
+    assert_eq!(switches(&harness), [true, true]);
+}
+
+#[test]
+fn dimming_is_linear_and_one_step_of_undo() {
+    let mut harness = window(&Counting::showing(solved()), false);
+    click(&mut harness, "Floor lamp");
+    let full = mean_lux(&harness);
+    harness.get_by_label("Dim Ceiling lamp").focus();
+    harness.run_steps(2);
+    for _ in 0..5 {
+        press(&mut harness, Key::ArrowLeft);
+    }
+    let dimmer = harness.state().lighting().lamps[0].dimmer;
+    assert!(dimmer < 0.99 && dimmer > 0.2, "{dimmer}");
+    assert!((mean_lux(&harness) - dimmer * full).abs() < 1e-3 * full);
+    harness.key_press_modifiers(Modifiers::COMMAND, Key::Z);
+    harness.run_steps(3);
+    assert!(harness.state().lighting().lamps[0].dimmer > dimmer);
+}
+
+#[test]
+fn undo_and_redo_go_through_lamps_and_display() {
+    let mut harness = window(&Counting::showing(solved()), false);
+    press(&mut harness, Key::Num2);
+    press(&mut harness, Key::M);
+    assert_eq!(switches(&harness), [true, false]);
+    assert!(harness.state().edits().display.wireframe);
+    for _ in 0..2 {
+        harness.key_press_modifiers(Modifiers::COMMAND, Key::Z);
+        harness.run_steps(3);
+    }
+    assert_eq!(switches(&harness), [true, true]);
+    assert!(!harness.state().edits().display.wireframe);
+    harness.key_press_modifiers(Modifiers::COMMAND | Modifiers::SHIFT, Key::Z);
+    harness.run_steps(3);
+    assert_eq!(switches(&harness), [true, false]);
+}
+
+#[test]
+fn the_display_panel_chooses_what_is_shown() {
+    let mut harness = window(&Counting::showing(solved()), false);
+    click(&mut harness, "Show");
+    click(&mut harness, "Illuminance");
+    assert_eq!(harness.state().edits().display.quantity, Quantity::Illuminance);
+    click(&mut harness, "Pin range");
+    let range = harness.state().edits().display.range.expect("pinned");
+    assert!(range[0] < range[1]);
+    press(&mut harness, Key::L);
+    assert_eq!(harness.state().edits().display.quantity, Quantity::Picture);
+    click(&mut harness, "Flat");
+    assert_eq!(harness.state().edits().display.shading, ShadingMode::Flat);
+    press(&mut harness, Key::G);
+    assert_eq!(harness.state().edits().display.shading, ShadingMode::Smooth);
+    click(&mut harness, "Automatic exposure");
+    assert!(!harness.state().edits().display.auto_exposure);
+}
+
+#[test]
+fn the_difference_to_a_stored_light_can_be_shown() {
+    let mut harness = window(&Counting::showing(solved()), false);
+    click(&mut harness, "Store light as A");
+    click(&mut harness, "Ceiling lamp");
+    click(&mut harness, "Show difference to A");
+    assert_eq!(harness.state().edits().display.quantity, Quantity::Difference);
+}
+
+#[test]
+fn pause_resume_and_stop_reach_the_solver() {
+    let worker = Counting::showing(solved());
+    worker.publish(|s| (s.stage, s.fraction, s.seconds_left) = (Stage::Rows, 0.6, Some(4.0)));
+    let mut harness = window(&worker, false);
+    assert!(harness.query_by_label("4.0 s left").is_some(), "time left is shown");
+    click(&mut harness, "Pause");
+    worker.publish(|s| s.paused = true);
+    harness.run_steps(2);
+    click(&mut harness, "Resume");
+    press(&mut harness, Key::P);
+    click(&mut harness, "Stop");
+    assert_eq!(worker.requests(), ["pause", "resume", "resume", "stop"]);
+}
+
+#[test]
+fn method_and_patches_ask_for_another_solve() {
+    let worker = Counting::showing(solved());
+    let mut harness = window(&worker, false);
+    click(&mut harness, "Method and quality");
+    harness.run_steps(20);
+    click(&mut harness, "Form factors");
+    click(&mut harness, "Hemicube (1985)");
+    assert_eq!(worker.requests(), ["settings Hemicube Count(700)"]);
+}
+
+#[test]
+fn a_reflectance_asks_the_solver_once_per_change_and_showing_it_never() {
+    let worker = Counting::showing(solved());
+    let mut harness = window(&worker, false);
+    assert_eq!(worker.requests(), Vec::<String>::new(), "rounding for show is no edit");
+    harness.get_by_role_and_label(Role::Slider, "Reflectance of brick").focus();
+    harness.run_steps(2);
+    press(&mut harness, Key::ArrowRight);
+    assert_eq!(worker.requests(), ["materials 1"]);
+    harness.get_by_label("Scene view").click();
+    harness.run_steps(2);
+    click(&mut harness, "Reset materials");
+    assert_eq!(worker.requests(), ["materials 1", "materials 0"]);
+}
+
+/// Where a patch of this luminaire appears in the window.
+fn place_of_lamp(harness: &Harness<'_, App>, luminaire: u32) -> Pos2 {
+    let mesh = solved().mesh.clone().expect("meshed");
+    let patch = mesh.patches.iter().find(|p| p.luminaire == Some(luminaire)).expect("it shines");
+    let rect = harness.get_by_label("Scene view").rect();
+    let size = [rect.width() as u32, rect.height() as u32];
+    let at = harness.state().camera().expect("shown").project(patch.centre, size).expect("in front");
+    rect.min + egui::vec2(at.x as f32, at.y as f32)
+}
+
+fn click_at(harness: &mut Harness<'_, App>, at: Pos2, modifiers: Modifiers) {
+    harness.hover_at(at);
+    harness.run_steps(2);
+    for pressed in [true, false] {
+        let button = egui::PointerButton::Primary;
+        let event = egui::Event::PointerButton { pos: at, button, pressed, modifiers };
+        harness.event_modifiers(event, modifiers);
+        harness.step();
+    }
+    harness.run_steps(3);
+}
+
+#[test]
+fn clicking_a_lamp_in_the_view_switches_it() {
+    let mut harness = window(&Counting::showing(solved()), false);
+    let at = place_of_lamp(&harness, 0);
+    click_at(&mut harness, at, Modifiers::NONE);
+    assert_eq!(switches(&harness), [false, true]);
+    click_at(&mut harness, at, Modifiers::NONE);
+    assert_eq!(switches(&harness), [true, true]);
+}
+
+#[test]
+fn ctrl_click_looks_into_a_patch_and_escape_leaves_it() {
+    let mut harness = window(&Counting::showing(solved()), false);
+    let at = place_of_lamp(&harness, 0);
+    click_at(&mut harness, at, Modifiers::COMMAND | Modifiers::CTRL);
+    let patch = harness.state().inspected().expect("a patch");
+    let mesh = solved().mesh.clone().expect("meshed");
+    assert_eq!(mesh.patches[patch as usize].luminaire, Some(0));
+    assert_eq!(switches(&harness), [true, true], "looking does not switch");
+    press(&mut harness, Key::Escape);
+    assert_eq!(harness.state().inspected(), None);
+}
+
+#[test]
+fn keys_walk_and_the_walls_hold() {
+    let mut harness = window(&Counting::showing(solved()), false);
+    let before = harness.state().camera().expect("shown").eye;
+    harness.key_down(Key::W);
+    harness.run_steps(240);
+    harness.key_up(Key::W);
+    harness.run_steps(10);
+    let after = harness.state().camera().expect("shown").eye;
+    assert!(before.distance(after) > 0.5, "{before} to {after}");
+    assert!(after.x > 0.2 && after.x < 3.8 && after.z > 0.2 && after.z < 2.8, "inside: {after}");
+    assert!((after.y - 1.6).abs() < 0.02, "at eye height: {after}");
+    press(&mut harness, Key::F);
+    assert_eq!(harness.state().motion(), Motion::Fly);
+}
+
+#[test]
+fn bookmarks_are_stored_and_gone_back_to() {
+    let mut harness = window(&Counting::showing(solved()), false);
+    let start = harness.state().camera().expect("shown").eye;
+    harness.key_down(Key::D);
+    harness.run_steps(60);
+    harness.key_up(Key::D);
+    harness.run_steps(30);
+    click(&mut harness, "Store view");
+    let stored = harness.state().camera().expect("shown").eye;
+    assert!(start.distance(stored) > 0.2);
+    click(&mut harness, "Start view");
+    harness.run_steps(60);
+    assert!(harness.state().camera().expect("shown").eye.distance(start) < 1e-6);
+    click(&mut harness, "View 2");
+    harness.run_steps(60);
+    assert!(harness.state().camera().expect("shown").eye.distance(stored) < 1e-6);
+}
+
+#[test]
+fn tab_folds_the_panels_and_f1_shows_the_keys() {
+    let mut harness = window(&Counting::showing(solved()), false);
+    press(&mut harness, Key::Tab);
+    harness.run_steps(30);
+    assert!(harness.query_by_label("All off").is_none() && !harness.state().state().left_open);
+    press(&mut harness, Key::Tab);
+    harness.run_steps(30);
+    assert!(harness.query_by_label("All off").is_some());
+    press(&mut harness, Key::F1);
+    assert!(harness.query_by_label("fold the panels away").is_some());
+    press(&mut harness, Key::Escape);
+    harness.run_steps(30);
+    assert!(harness.query_by_label("fold the panels away").is_none());
+}
+
+#[test]
+fn an_error_is_read_and_the_scene_stays() {
+    let worker = Counting::showing(solved());
+    let mut harness = window(&worker, false);
+    let sentence = "nowhere.obj: there is no such file";
+    worker.publish(|s| (s.stage, s.error) = (Stage::Failed, Some(sentence.to_owned())));
+    harness.run_steps(3);
+    assert!(harness.query_by_label(sentence).is_some());
+    assert!(mean_lux(&harness) > 0.0, "the present scene is left alone");
+    click(&mut harness, "Dismiss");
+    harness.run_steps(3);
+    assert!(harness.query_by_label(sentence).is_none(), "and it does not come back");
+}
+
+#[test]
+fn at_rest_nothing_is_drawn_again() {
+    let mut harness = window(&Counting::showing(solved()), false);
+    harness.run_steps(60);
+    let repaint = harness.output().viewport_output.values().map(|v| v.repaint_delay).min();
+    assert!(repaint.is_none_or(|delay| delay.as_secs_f64() > 0.5), "{repaint:?}");
+}

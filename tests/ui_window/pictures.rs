@@ -1,0 +1,63 @@
+//! Pictures of the window, compared with ones that were looked at, and what they must show.
+
+use crate::support::{Counting, has_adapter, solved, window};
+use egui::Key;
+use egui_kittest::kittest::Queryable as _;
+use egui_kittest::{Harness, SnapshotOptions};
+use lumenwalk::ui::App;
+
+/// Adapters round differently, and a better mesh moves the light a little: an eightieth of the
+/// pixels may differ. A control that moves, goes or is clipped changes more.
+fn options() -> SnapshotOptions {
+    SnapshotOptions::new().threshold(4.0).max_failed_pixels(12_800)
+}
+
+/// Mean of the sRGB codes of the view, 0 to 255.
+fn brightness(harness: &mut Harness<'_, App>) -> f64 {
+    let rect = harness.get_by_label("Scene view").rect();
+    let image = harness.render().expect("rendered");
+    let mut sum = 0.0;
+    let mut count = 0.0;
+    for (x, y, pixel) in image.enumerate_pixels() {
+        if rect.contains(egui::pos2(x as f32, y as f32)) {
+            sum += pixel.0[..3].iter().map(|&c| f64::from(c)).sum::<f64>() / 3.0;
+            count += 1.0;
+        }
+    }
+    sum / count
+}
+
+#[test]
+fn a_switched_lamp_is_dark_in_the_next_frame() {
+    if !has_adapter("a_switched_lamp_is_dark_in_the_next_frame") {
+        return;
+    }
+    let mut harness = window(&Counting::showing(solved()), true);
+    let lit = brightness(&mut harness);
+    assert!(lit > 40.0, "a lit picture: {lit}");
+    harness.key_press(Key::Num1);
+    harness.step();
+    let dimmer = brightness(&mut harness);
+    assert!(dimmer < 0.9 * lit, "{lit} to {dimmer}");
+    harness.key_press(Key::Num0);
+    harness.step();
+    let dark = brightness(&mut harness);
+    assert!(dark < 8.0, "all off: {dark}");
+}
+
+#[test]
+fn the_window_at_1280_by_800() {
+    if !has_adapter("the_window_at_1280_by_800") {
+        return;
+    }
+    let mut harness = window(&Counting::showing(solved()), true);
+    harness.run_steps(10);
+    harness.snapshot_options("window_picture", &options());
+    harness.key_press(Key::L);
+    harness.run_steps(4);
+    harness.snapshot_options("window_illuminance", &options());
+    harness.key_press(Key::L);
+    harness.key_press(Key::F1);
+    harness.run_steps(30);
+    harness.snapshot_options("window_keys", &options());
+}

@@ -1,0 +1,170 @@
+//! A small solved scene and a worker that only counts what it is asked for.
+
+use egui_kittest::Harness;
+use lumenwalk::scene::{self, SceneSource};
+use lumenwalk::session::{self, Control, MaterialEdit, Snapshot, SolveSettings, Stage};
+use lumenwalk::solver::SweepReport;
+use lumenwalk::ui::{App, UiState, Worker};
+use std::sync::atomic::AtomicBool;
+use std::sync::{Arc, Mutex, OnceLock};
+use std::time::Duration;
+
+/// A room of 4 m x 3 m x 2.5 m with a ceiling lamp, a lamp on the floor and a grey box.
+const OBJ: &str = "mtllib room.mtl
+v 0 0 0\nv 4 0 0\nv 4 0 3\nv 0 0 3
+v 0 2.5 0\nv 4 2.5 0\nv 4 2.5 3\nv 0 2.5 3
+v 1.5 2.49 1\nv 2.5 2.49 1\nv 2.5 2.49 2\nv 1.5 2.49 2
+v 3.2 0.01 0.4\nv 3.6 0.01 0.4\nv 3.6 0.01 0.8\nv 3.2 0.01 0.8
+o room\nusemtl plaster
+f 4 3 2 1\nf 5 6 7 8\nf 1 2 6 5\nf 2 3 7 6\nf 4 8 7 3
+usemtl brick\nf 1 5 8 4
+o Ceiling\nusemtl warm\nf 9 10 11 12
+o Floor\nusemtl cold\nf 16 15 14 13
+";
+const MTL: &str = "newmtl plaster\nKd 0.8 0.8 0.8
+newmtl brick\nKd 0.6 0.3 0.2
+newmtl warm\nKd 0.8 0.8 0.8\nKe 12 8 4
+newmtl cold\nKd 0.8 0.8 0.8\nKe 4 6 9
+";
+const SIDECAR: &str = r#"
+[[luminaire]]
+name = "Ceiling lamp"
+object = "Ceiling"
+[[luminaire]]
+name = "Floor lamp"
+object = "Floor"
+[[view]]
+name = "Door"
+eye = [0.4, 1.6, 2.6]
+target = [2.6, 1.9, 1.0]
+fov = 70.0
+"#;
+
+/// The scene solved once for all tests of a file.
+pub(crate) fn solved() -> Arc<Snapshot> {
+    static SOLVED: OnceLock<Arc<Snapshot>> = OnceLock::new();
+    let solve = || {
+        let folder = tempfile::tempdir().expect("a folder");
+        for (name, text) in [("room.obj", OBJ), ("room.mtl", MTL), ("room.toml", SIDECAR)] {
+            std::fs::write(folder.path().join(name), text).expect("written");
+        }
+        let scene = scene::load(&SceneSource::File(folder.path().join("room.obj"))).expect("a sound scene");
+        let settings =
+            SolveSettings { patches: lumenwalk::mesh::PatchTarget::Count(700), ..Default::default() };
+        let never = AtomicBool::new(false);
+        let solved =
+            session::solve(Arc::new(scene), &settings, &never, &mut |_| Control::Continue).expect("solved");
+        Arc::new(Snapshot {
+            serial: 1,
+            mesh_serial: 1,
+            stage: Stage::Converged,
+            fraction: 1.0,
+            rows: (solved.mesh.patches.len(), solved.mesh.patches.len()),
+            scene: Some(solved.scene),
+            mesh: Some(solved.mesh),
+            plan: Some(solved.plan),
+            bases: Some(solved.bases),
+            reflectance: solved.reflectance,
+            sweeps: Arc::new((1..=6).map(sweep).collect()),
+            settings,
+            ..Snapshot::default()
+        })
+    };
+    Arc::clone(SOLVED.get_or_init(solve))
+}
+
+/// Reports that stay the same whatever the solver learns: pictures of the window show them.
+fn sweep(number: u32) -> SweepReport {
+    let residual = 0.05 * 0.2_f64.powi(number as i32);
+    let (error_bound, seconds) = (4.0 * residual, 0.01 * f64::from(number));
+    SweepReport { sweep: number, residual, error_bound, emitted: 84.9, absorbed: 84.8, escaped: 0.1, seconds }
+}
+
+/// What a worker was asked for, and what it shows.
+#[derive(Default)]
+struct Log {
+    requests: Vec<String>,
+    snapshot: Arc<Snapshot>,
+}
+
+/// A worker that solves nothing.
+#[derive(Clone, Default)]
+pub(crate) struct Counting(Arc<Mutex<Log>>);
+
+impl Counting {
+    pub(crate) fn showing(snapshot: Arc<Snapshot>) -> Self {
+        Self(Arc::new(Mutex::new(Log { requests: Vec::new(), snapshot })))
+    }
+
+    pub(crate) fn publish(&self, change: impl FnOnce(&mut Snapshot)) {
+        let mut log = self.0.lock().expect("no panic while locked");
+        let mut snapshot = Snapshot::clone(&log.snapshot);
+        snapshot.serial += 1;
+        change(&mut snapshot);
+        log.snapshot = Arc::new(snapshot);
+    }
+
+    pub(crate) fn requests(&self) -> Vec<String> {
+        self.0.lock().expect("no panic while locked").requests.clone()
+    }
+
+    fn note(&self, request: String) {
+        self.0.lock().expect("no panic while locked").requests.push(request);
+    }
+}
+
+impl Worker for Counting {
+    fn latest(&self) -> Arc<Snapshot> {
+        Arc::clone(&self.0.lock().expect("no panic while locked").snapshot)
+    }
+    fn open(&self, source: SceneSource) {
+        self.note(format!("open {source}"));
+    }
+    fn set_settings(&self, settings: SolveSettings) {
+        self.note(format!("settings {:?} {:?}", settings.method, settings.patches));
+    }
+    fn set_materials(&self, edits: Vec<MaterialEdit>) {
+        self.note(format!("materials {}", edits.len()));
+    }
+    fn pause(&self) {
+        self.note("pause".to_owned());
+    }
+    fn resume(&self) {
+        self.note("resume".to_owned());
+    }
+    fn stop(&self) {
+        self.note("stop".to_owned());
+    }
+}
+
+/// A window of 1280 x 800 on the solved scene, run until the scene is on screen.
+pub(crate) fn window(worker: &Counting, drawn: bool) -> Harness<'static, App> {
+    let worker = worker.clone();
+    let builder = Harness::builder().with_size([1280.0, 800.0]);
+    let builder = if drawn { builder.wgpu() } else { builder };
+    let state = UiState { show_status: false, hint_done: true, ..UiState::default() };
+    let mut harness = builder.build_eframe(|cc| App::new(cc, Box::new(worker), state));
+    for _ in 0..2000 {
+        harness.step();
+        if harness.state().camera().is_some() {
+            break;
+        }
+        // The mesh is prepared on a thread of its own.
+        std::thread::sleep(Duration::from_millis(5));
+    }
+    assert!(harness.state().camera().is_some(), "the scene came to the screen");
+    harness.run_steps(4);
+    harness
+}
+
+/// Whether there is a graphics adapter; says so where a test has to be skipped.
+pub(crate) fn has_adapter(test: &str) -> bool {
+    match lumenwalk::render::Gpu::headless() {
+        Ok(_) => true,
+        Err(error) => {
+            assert!(std::env::var_os("LUMENWALK_REQUIRE_GPU").is_none(), "{test} needs an adapter: {error}");
+            println!("{test}: skipped, no graphics adapter ({error})");
+            false
+        }
+    }
+}
