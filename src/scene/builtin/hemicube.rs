@@ -28,7 +28,7 @@ const WHITE_BOX: Block = Block { x: 0.95, z: 1.05, half: 0.4, height: 1.5, turn_
 const YELLOW_BOX: Block = Block { x: 2.2, z: 1.65, half: 0.36, height: 0.72, turn_deg: -36.0 };
 
 pub(crate) fn model() -> Model {
-    let mut m = Model::new(("m", 1.0), 0.18);
+    let mut m = Model::new(("m", 1.0), 0.1785);
     m.view("Room", [1.6, 1.42, 3.96], [1.6, 1.22, 0.0], 64.0);
     m.view("Red wall", [2.75, 1.5, 3.4], [0.6, 0.55, 1.0], 55.0);
     m.view("Blue wall", [0.35, 1.5, 3.6], [2.6, 0.6, 1.6], 55.0);

@@ -1,8 +1,8 @@
 //! The house's plan: rooms, openings, levels, doors and rugs.
 
 use super::palette::{
-    BATH_TILE, BLUE_WOOL, CHARCOAL, CLAY, CREAM, DUSK_BLUE, JOINERY, OAK_FLOOR, PINE_GREEN, PLASTER, RUST,
-    SAGE, SLATE_FLOOR, STONE_FLOOR, TERRACOTTA, WALNUT,
+    BATH_TILE, BLUE_WOOL, CEILING, CHARCOAL, CLAY, CREAM, DUSK_BLUE, JOINERY, OAK_FLOOR, PINE_GREEN, PLASTER,
+    RUST, SAGE, SLATE_FLOOR, STONE_FLOOR, TERRACOTTA, WALNUT,
 };
 use super::shell::{self, Across, HEIGHT, Opening, Room, Rug, floor};
 use crate::scene::builtin::shapes::Faces;
@@ -94,7 +94,7 @@ pub(crate) fn shell(m: &mut Model) {
             walls: [&PLASTER, &PLASTER, &PLASTER, &TERRACOTTA],
             floor: Some(&STONE_FLOOR),
         },
-        Room { name: "passage", x: [8.48, 9.24], z: [3.32, 4.4], walls: plain, floor: Some(&OAK_FLOOR) },
+        Room { name: "living", x: [8.48, 9.24], z: [3.32, 4.4], walls: plain, floor: None },
         Room {
             name: "kitchen",
             x: [8.6, 11.6],
@@ -120,8 +120,21 @@ pub(crate) fn shell(m: &mut Model) {
 /// The two floor levels of the living space, the walls' feet in the pit, risers and steps.
 fn levels(m: &mut Model) {
     let down = -PIT;
-    floor(m, "living", ([0.0, 8.48], [3.32, PIT_NORTH]), 0.0, &OAK_FLOOR, &[]);
-    floor(m, "living", ([PIT_EAST, 8.48], [PIT_NORTH, SOUTH]), 0.0, &OAK_FLOOR, RUGS);
+    // Upper floor and ceiling are one surface each, so that no seam shows in the light.
+    let east = [[8.48, SOUTH], [8.48, 4.4], [9.24, 4.4], [9.24, 3.32]];
+    let upper: Vec<_> = [[0.0, 3.32], [0.0, PIT_NORTH], [PIT_EAST, PIT_NORTH], [PIT_EAST, SOUTH]]
+        .iter()
+        .chain(&east)
+        .map(|&[x, z]| dvec3(x, 0.0, z))
+        .collect();
+    let dining_rug = RUGS.iter().find(|r| r.room == "living" && r.x[0] > PIT_EAST);
+    m.object("living_floor").paint(&OAK_FLOOR);
+    m.pierced(&upper, dining_rug.map(|r| r.cut(0.0)).as_slice());
+    dining_rug.iter().for_each(|r| r.build(m, 0.0));
+    let mut ceiling: Vec<_> =
+        [[0.0, 3.32], [0.0, SOUTH]].iter().chain(&east).map(|&[x, z]| dvec3(x, HEIGHT, z)).collect();
+    ceiling.reverse();
+    m.object("living_ceiling").paint(&CEILING).pierced(&ceiling, &[]);
     floor(m, "living", ([0.0, PIT_EAST], [PIT_NORTH, SOUTH]), PIT, &OAK_FLOOR, RUGS);
     m.object("living_walls").paint(&CLAY);
     m.wall(dvec3(0.0, PIT, SOUTH), -DVec3::Z, SOUTH - PIT_NORTH, down, &[]);

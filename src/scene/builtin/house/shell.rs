@@ -1,7 +1,7 @@
 //! Rooms, the openings between them, windows and doors.
 
 use super::palette::{CEILING, DARK_FRAME, JOINERY, PLASTER};
-use crate::scene::builtin::shapes::{Faces, Hole};
+use crate::scene::builtin::shapes::{Faces, Hole, rectangle};
 use crate::scene::builtin::writer::{Model, Paint};
 use glam::{DVec3, dvec3};
 
@@ -41,7 +41,7 @@ pub(crate) struct Room {
     pub(crate) z: [f64; 2],
     /// Paint of the west (-x), east, north (-z) and south wall.
     pub(crate) walls: [&'static Paint; 4],
-    /// The floor; `None` where it is made elsewhere.
+    /// The floor; `None` where floor and ceiling are made elsewhere.
     pub(crate) floor: Option<&'static Paint>,
 }
 
@@ -78,8 +78,19 @@ pub(crate) fn floor(
         rugs.iter().map(|r| [r.x[0] - x0, r.x[1] - x0, z1 - r.z[1], z1 - r.z[0]]).collect();
     m.object(&format!("{room}_floor")).paint(paint);
     m.panel(dvec3(x0, y, z1), (DVec3::X, x1 - x0), (-DVec3::Z, z1 - z0), &holes);
-    m.object("rugs");
-    for r in rugs {
+    rugs.iter().for_each(|r| r.build(m, y));
+}
+
+impl Rug {
+    /// Corners of the cut that it fills in a floor at height `y`.
+    pub(crate) fn cut(&self, y: f64) -> Vec<DVec3> {
+        rectangle([self.x[0], self.z[0]], [self.x[1], self.z[1]], y).to_vec()
+    }
+
+    /// Border and field at height `y`.
+    pub(crate) fn build(&self, m: &mut Model, y: f64) {
+        let r = self;
+        m.object("rugs");
         let (w, d, b) = (r.x[1] - r.x[0], r.z[1] - r.z[0], r.border);
         m.paint(r.edge).panel(
             dvec3(r.x[0], y, r.z[1]),
@@ -120,9 +131,9 @@ impl Room {
                 .collect();
             m.paint(paint).wall(origin, along, range[1] - range[0], HEIGHT, &holes);
         }
-        m.object(&format!("{}_ceiling", self.name)).paint(&CEILING);
-        m.quad(dvec3(x0, HEIGHT, z0), DVec3::X * (x1 - x0), DVec3::Z * (z1 - z0));
         if let Some(paint) = self.floor {
+            m.object(&format!("{}_ceiling", self.name)).paint(&CEILING);
+            m.quad(dvec3(x0, HEIGHT, z0), DVec3::X * (x1 - x0), DVec3::Z * (z1 - z0));
             floor(m, self.name, (self.x, self.z), 0.0, paint, rugs);
         }
     }
