@@ -43,7 +43,7 @@ impl FalseColour {
             let index = fraction * sorted.len().saturating_sub(1) as f64;
             sorted.get(index.round() as usize).map_or(0.0, |&v| f64::from(v))
         };
-        let high = round_up(at(0.99));
+        let high = round_up(at(0.97));
         let range = match map {
             ColourMap::BlueRed => [-high, high],
             ColourMap::Viridis if logarithmic => {
