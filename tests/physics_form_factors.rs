@@ -156,7 +156,7 @@ fn rows_are_reciprocal_to_the_last_bit_and_close_closed_rooms() {
         let resolution = if method == Method::Rays { 1024 } else { resolution / 2 };
         for (name, scene, closed) in [
             ("hemicube", builtin("hemicube"), true),
-            ("gallery", builtin("gallery"), true),
+            ("room", room_with_blocks(0.5).scene(), true),
             ("cornell", builtin("cornell"), false),
         ] {
             let made = assembled(&scene, &settings(PatchTarget::Count(500), method, resolution));

@@ -84,8 +84,8 @@ struct Seen {
     v_offset: f64,
     /// What its spans are scaled by: the closed form over `total`.
     ratio: f64,
-    /// Nothing stands before it, so that its closed form is its form factor.
-    is_whole: bool,
+    /// The hidden fraction of a region that does not emit.
+    doubt: f64,
     /// Sums of its intervals and of the visible ones among them.
     total: f64,
     visible: f64,
@@ -153,24 +153,23 @@ impl LineSampler {
             self.lines[k] = line;
         }
         // The lines' own error on a whole region is known, and is taken out of its visible part.
-        let (mut whole, mut partly, mut sampled) = (0.0, 0.0, 0.0);
-        for seen in &mut self.seen {
-            if seen.visible > 0.0 {
-                sampled += seen.visible * per_line;
-                let exact = lambert(scene, &scene.regions[seen.region as usize], point, &frame);
-                if let Some(exact) = exact {
-                    seen.ratio = (exact / (seen.total * per_line)).clamp(0.25, 4.0);
-                    seen.is_whole = seen.visible > (1.0 - 1e-9) * seen.total;
-                }
-                *(if seen.is_whole { &mut whole } else { &mut partly }) +=
-                    seen.visible * per_line * seen.ratio;
+        let (mut sky, mut rest, mut doubtful) = (1.0, 1.0, 0.0);
+        for seen in self.seen.iter_mut().filter(|seen| seen.visible > 0.0) {
+            let region = &scene.regions[seen.region as usize];
+            if let Some(exact) = lambert(scene, region, point, &frame) {
+                seen.ratio = (exact / (seen.total * per_line)).clamp(0.25, 4.0);
             }
+            // A lamp's light is not shifted by what is missing elsewhere.
+            seen.doubt = if region.emits { 0.0 } else { 1.0 - seen.visible / seen.total };
+            sky -= seen.visible * per_line;
+            rest -= seen.visible * per_line * seen.ratio;
+            doubtful += seen.visible * per_line * seen.ratio * seen.doubt;
         }
-        // What is seen whole is now exact; what is seen in part, and the sky, fill the rest.
-        let sky = 1.0 - sampled;
-        let fill = ((1.0 - whole) / (partly + sky).max(f64::MIN_POSITIVE)).clamp(0.8, 1.25);
-        for seen in self.seen.iter_mut().filter(|seen| !seen.is_whole) {
-            seen.ratio *= fill;
+        // All that is seen and the sky make up one: what is left is shared by the sky and by what is
+        // hidden in part, for which the closed form is but an estimate.
+        let share = ((rest - sky) / (doubtful + sky).max(f64::MIN_POSITIVE)).clamp(-0.25, 0.25);
+        for seen in &mut self.seen {
+            seen.ratio *= 1.0 + share * seen.doubt;
         }
         for &(patch, amount, seen) in &self.pieces {
             row.add(patch, amount * per_line * self.seen[seen as usize].ratio);
@@ -338,7 +337,7 @@ impl LineSampler {
             u_offset: region.u_axis.dot(from_origin),
             v_offset: region.v_axis.dot(from_origin),
             ratio: 1.0,
-            is_whole: false,
+            doubt: 0.0,
             total,
             visible: 0.0,
         });

@@ -248,7 +248,7 @@ fn row_target(mesh: &PatchMesh, rows: &[Row], close: &[Vec<(u32, f64)>], i: usiz
     }
     let sky = 1.0 - sum;
     let others = sky + (sum - sampled).max(0.0);
-    sum + (exact - sampled) * sky / others
+    (sum + (exact - sampled) * sky / others).clamp(0.0, 1.0)
 }
 
 /// A run of assembled rows.
