@@ -20,10 +20,16 @@ pub(super) struct PatchOptions {
     /// About how many patches in all
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=10_000_000))]
     pub(super) patches: Option<u32>,
+    /// Take every polygon of the file as one patch, for models that are cut into patches already
+    #[arg(long, conflicts_with_all = ["patches", "patch_size"])]
+    pub(super) patches_as_given: bool,
 }
 
 impl PatchOptions {
     pub(super) fn target(&self, unit: LengthUnit) -> PatchTarget {
+        if self.patches_as_given {
+            return PatchTarget::AsGiven;
+        }
         match (self.patch_size, self.patches) {
             (Some(size), _) => PatchTarget::Size(size * unit.metres()),
             (None, Some(count)) => PatchTarget::Count(count as usize),
