@@ -221,6 +221,12 @@ impl FormFactors {
         (stored + if i == j { self.diagonal[i] } else { 0.0 }) / self.areas[i]
     }
 
+    /// Whether patch `i` sees anything: what lies under a box does not.
+    pub fn sees(&self, i: usize) -> bool {
+        let (_, values) = self.row(i);
+        self.diagonal[i] > 0.0 || values.iter().any(|&s| s > 0.0)
+    }
+
     /// Sum of row `i`: 1 in a closed scene, less where light escapes.
     pub fn row_sum(&self, i: usize) -> f64 {
         let (_, values) = self.row(i);

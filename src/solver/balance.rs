@@ -7,13 +7,16 @@
 use super::System;
 use crate::form_factors::FormFactors;
 use crate::mesh::PatchMesh;
+use glam::{DVec2, DVec3};
 use rayon::prelude::*;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// At most this many aggregates: a dense system of this size is solved in milliseconds.
 const MOST_AGGREGATES: usize = 256;
 /// Of these, sides large enough to stand for themselves.
 const MOST_SINGLE: usize = 192;
+/// Blocks of a side along each of its axes, at most.
+const MOST_BLOCKS: f64 = 4.0;
 
 /// Which aggregate each patch belongs to.
 #[derive(Clone, Debug, Default)]
@@ -23,7 +26,8 @@ pub(super) struct Aggregates {
 }
 
 impl Aggregates {
-    /// One a side of a region; in large scenes the smaller sides share one a cell of space.
+    /// Blocks of the sides of regions, since one floor may run through several rooms; in large scenes
+    /// whole sides, the smaller of which share one a cell of space.
     pub(super) fn new(mesh: &PatchMesh) -> Self {
         let mut areas: BTreeMap<(u32, u8), f64> = BTreeMap::new();
         for p in &mesh.patches {
@@ -35,24 +39,35 @@ impl Aggregates {
         if !all {
             sides.truncate(MOST_SINGLE);
         }
-        let mut index_of: BTreeMap<[i64; 4], u32> = BTreeMap::new();
-        let single: BTreeMap<(u32, u8), u32> =
-            sides.iter().enumerate().map(|(k, s)| (s.0, k as u32)).collect();
+        let blocks =
+            if all { (MOST_AGGREGATES as f64 / sides.len().max(1) as f64).sqrt().floor() } else { 1.0 };
+        let blocks = blocks.min(MOST_BLOCKS);
+        let single: BTreeSet<(u32, u8)> = sides.iter().map(|s| s.0).collect();
         let cells = ((MOST_AGGREGATES - MOST_SINGLE) as f64).cbrt().floor();
         let bounds = crate::geometry::Aabb::around(mesh.patches.iter().map(|p| p.centre));
-        let step = (bounds.size() / cells).max(glam::DVec3::splat(f64::MIN_POSITIVE));
+        let step = (bounds.size() / cells).max(DVec3::splat(f64::MIN_POSITIVE));
+        let mut index_of: BTreeMap<[i64; 5], u32> = BTreeMap::new();
         let of_patch: Vec<u32> = mesh
             .patches
             .iter()
             .map(|p| {
-                single.get(&(p.region, p.side as u8)).copied().unwrap_or_else(|| {
-                    let cell = ((p.centre - bounds.min) / step).floor().min(glam::DVec3::splat(cells - 1.0));
-                    let next = (single.len() + index_of.len()) as u32;
-                    *index_of.entry([cell.x as i64, cell.y as i64, cell.z as i64, 0]).or_insert(next)
-                })
+                let key = if single.contains(&(p.region, p.side as u8)) {
+                    let region = &mesh.regions[p.region as usize];
+                    let local = region.frame.local(p.centre - region.origin).truncate() - region.grid_min;
+                    let extent =
+                        region.cell_size * DVec2::new(region.cells[0].into(), region.cells[1].into());
+                    let block =
+                        (local / extent * blocks).floor().clamp(DVec2::ZERO, DVec2::splat(blocks - 1.0));
+                    [1, p.region.into(), p.side as i64, block.x as i64, block.y as i64]
+                } else {
+                    let cell = ((p.centre - bounds.min) / step).floor().min(DVec3::splat(cells - 1.0));
+                    [0, 0, cell.x as i64, cell.y as i64, cell.z as i64]
+                };
+                let next = index_of.len() as u32;
+                *index_of.entry(key).or_insert(next)
             })
             .collect();
-        Self { of_patch, count: single.len() + index_of.len() }
+        Self { of_patch, count: index_of.len() }
     }
 }
 
@@ -75,6 +90,10 @@ impl PowerBalance {
                 let mut seen = vec![0.0; k];
                 for i in chunk * size..((chunk + 1) * size).min(n) {
                     seen.fill(0.0);
+                    // What sees nothing keeps B = E, and must not soak up the correction.
+                    if !form_factors.sees(i) {
+                        continue;
+                    }
                     let (columns, values) = form_factors.row(i);
                     for (&j, &s) in columns.iter().zip(values) {
                         seen[aggregates.of_patch[j as usize] as usize] += f64::from(s);
@@ -122,7 +141,8 @@ struct Lu {
 }
 
 impl Lu {
-    /// The matrix is diagonally dominant, so no pivot vanishes.
+    /// The matrix is diagonally dominant: a pivot vanishes only with its whole row, where an aggregate
+    /// sees nothing.
     fn new(mut a: Vec<f64>, n: usize) -> Self {
         let mut pivots = Vec::with_capacity(n);
         for c in 0..n {

@@ -90,7 +90,7 @@ impl GaussSeidel {
     ) -> Option<SweepReport> {
         let (aggregates, balance) = (&self.aggregates, &self.balance);
         self.groups.par_iter_mut().for_each(|group| {
-            group.correct(system, aggregates, balance);
+            group.correct(form_factors, system, aggregates, balance);
             group.relax(form_factors, system, cancelled);
             group.measure(form_factors, system, cancelled);
         });
@@ -147,7 +147,13 @@ impl GaussSeidel {
 
 impl Group {
     /// Adds the power-balance correction to the radiosities.
-    fn correct(&mut self, system: &System, aggregates: &Aggregates, balance: &PowerBalance) {
+    fn correct(
+        &mut self,
+        form_factors: &FormFactors,
+        system: &System,
+        aggregates: &Aggregates,
+        balance: &PowerBalance,
+    ) {
         for (lane, &column) in self.columns.iter().enumerate() {
             let mut power = vec![0.0; aggregates.count];
             for (i, r) in self.residual.iter().enumerate() {
@@ -156,7 +162,7 @@ impl Group {
             balance.correct(column % system.bands, &mut power);
             for (i, b) in self.radiosity.iter_mut().enumerate() {
                 // A black patch has B = E exactly; the correction is for what is reflected.
-                if system.rho(i, column) > 0.0 {
+                if system.rho(i, column) > 0.0 && form_factors.sees(i) {
                     b[lane] = (b[lane] + power[aggregates.of_patch[i] as usize]).max(0.0);
                 }
             }
