@@ -194,9 +194,11 @@ mod tests {
 
     #[test]
     fn patch_sizes_are_in_the_unit_of_the_file() {
-        let options = PatchOptions { patch_size: Some(250.0), patches: None };
+        let options = PatchOptions { patch_size: Some(250.0), ..PatchOptions::default() };
         assert_eq!(options.target(LengthUnit::Millimetre), PatchTarget::Size(0.25));
         assert_eq!(PatchOptions::default().target(LengthUnit::Metre), PatchTarget::Auto);
+        let given = PatchOptions { patches_as_given: true, ..PatchOptions::default() };
+        assert_eq!(given.target(LengthUnit::Metre), PatchTarget::AsGiven);
     }
 
     #[test]
