@@ -186,9 +186,10 @@ impl Session {
 
     /// Ends the solve; the picture so far stays.
     pub fn stop(&self) {
+        let _held = locked(&self.shared.wanted);
         self.shared.stopped.store(true, Ordering::Release);
         self.shared.cancel.store(true, Ordering::Release);
-        self.wake();
+        self.shared.news_for_worker.notify_all();
     }
 
     fn request(&self, change: impl FnOnce(&mut Wanted)) {
@@ -243,7 +244,9 @@ impl Worker<'_> {
                 while wanted.generation == answered && !self.shared.quit.load(Ordering::Acquire) {
                     wanted = self.shared.news_for_worker.wait(wanted).unwrap_or_else(PoisonError::into_inner);
                 }
-                self.shared.cancel.store(false, Ordering::Release);
+                // A stop that came after this request, before it was begun, still holds.
+                let stopped = self.shared.stopped.load(Ordering::Acquire);
+                self.shared.cancel.store(stopped, Ordering::Release);
                 wanted.clone()
             };
             if self.shared.quit.load(Ordering::Acquire) {
@@ -285,6 +288,7 @@ impl Worker<'_> {
 
     /// Recomputes what the difference between the state and the wish calls for, and nothing else.
     fn answer(&mut self, wanted: &Wanted) -> Result<Recompute, Failure> {
+        self.check_cancel()?;
         let mut todo = Recompute::between(&self.state, wanted);
         if todo.scene {
             let source = wanted.source.as_ref().ok_or(Failure::Cancelled)?;

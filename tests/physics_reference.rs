@@ -1,0 +1,67 @@
+//! The closed Cornell box against an independent path tracer.
+
+mod common;
+
+use common::{Model, lines, solved};
+use glam::{DVec3, dvec3};
+use lumenwalk::mesh::PatchTarget;
+use lumenwalk::scene::{Scene, luminance_weighted};
+use std::f64::consts::PI;
+use std::sync::Arc;
+
+/// Rectified, metres; a black front, blocks at the measured places, the lamp flush with the ceiling.
+fn cornell() -> Arc<Scene> {
+    let (x, y, z) = (0.556, 0.5488, 0.5592);
+    let mut m = Model::new();
+    m.grey("white", 0.73).grey("front", 0.0);
+    m.paint("red", [0.63, 0.065, 0.05], [0.0; 3]).paint("green", [0.14, 0.45, 0.091], [0.0; 3]);
+    m.paint("glow", [0.0; 3], [18.4, 15.6, 8.0].map(|radiance| PI * radiance));
+    let white = Some("white");
+    m.room(DVec3::ZERO, dvec3(x, y, z), [white, None, Some("green"), Some("red"), Some("front"), white]);
+    m.object("ceiling");
+    common::ceiling_with_lamp(&mut m, "white", [x, y, z], [0.213, 0.343, 0.227, 0.332]);
+    let mut prism = |name: &str, top: f64, corners: [[f64; 2]; 4]| {
+        let at = |k: usize, y: f64| dvec3(corners[k % 4][0], y, corners[k % 4][1]);
+        m.object(name).polygon("white", &[at(0, top), at(1, top), at(2, top), at(3, top)]);
+        for k in 0..4 {
+            m.polygon("white", &[at(k, 0.0), at(k + 1, 0.0), at(k + 1, top), at(k, top)]);
+        }
+    };
+    prism("short_block", 0.165, [[0.13, 0.065], [0.082, 0.225], [0.24, 0.272], [0.29, 0.114]]);
+    prism("tall_block", 0.33, [[0.423, 0.247], [0.265, 0.296], [0.314, 0.456], [0.472, 0.406]]);
+    m.scene()
+}
+
+#[test]
+fn irradiance_in_the_cornell_box_is_that_of_a_path_tracer() {
+    let table: Vec<Vec<f64>> = include_str!("data/cornell_closed.csv")
+        .lines()
+        .filter(|line| !line.starts_with(['#', 'x']))
+        .map(|line| line.split(',').map(|field| field.parse().expect("a number")).collect())
+        .collect();
+    assert!(table.len() >= 60);
+    let points: Vec<(DVec3, DVec3)> =
+        table.iter().map(|row| (dvec3(row[0], row[1], row[2]), dvec3(row[3], row[4], row[5]))).collect();
+    let scene = cornell();
+    let solution = solved(&scene, &lines(PatchTarget::Auto));
+    let light = solution.light(&scene.lighting());
+    let found = solution.irradiance_at(&points, &light);
+    let n = table.len() as f64;
+    let expected = |row: &[f64]| [row[6], row[7], row[8]];
+    let pairs = || found.iter().copied().zip(table.iter().map(|row| expected(row)));
+    let mean = pairs().map(|(_, e)| luminance_weighted(e)).sum::<f64>() / n;
+    let error = |of: &dyn Fn([f64; 3]) -> f64| {
+        let squares: f64 = pairs().map(|(h, e)| (of(h) - of(e)).powi(2)).sum();
+        (squares / n).sqrt()
+    };
+    let rms = error(&luminance_weighted) / mean;
+    let bias = pairs().map(|(h, e)| luminance_weighted(h) - luminance_weighted(e)).sum::<f64>() / n / mean;
+    println!("{} points: RMS {rms:.5}, bias {bias:.5}", table.len());
+    assert!(rms < 0.01, "RMS of luminance over mean {rms}");
+    assert!(bias.abs() < 0.003, "bias {bias}");
+    for band in 0..3 {
+        let mean = pairs().map(|(_, e)| e[band]).sum::<f64>() / n;
+        let rms = error(&|h| h[band]) / mean;
+        assert!(rms < 0.01, "band {band}: {rms}");
+    }
+}

@@ -1,0 +1,317 @@
+//! The worker: what a request recomputes, which one wins, and that it obeys.
+
+mod common;
+
+use common::{builtin, room_with_blocks, solved};
+use lumenwalk::form_factors::Method;
+use lumenwalk::mesh::PatchTarget;
+use lumenwalk::scene::SceneSource;
+use lumenwalk::session::{MaterialEdit, Session, Snapshot, SolveSettings, Stage};
+use std::path::Path;
+use std::sync::Arc;
+use std::sync::mpsc::{Receiver, RecvTimeoutError, channel};
+use std::time::Duration;
+
+/// A session that tells of every snapshot.
+struct Watched {
+    session: Session,
+    news: Receiver<()>,
+}
+
+impl Watched {
+    fn new() -> Self {
+        let (tell, news) = channel();
+        let session = Session::spawn(move || drop(tell.send(()))).expect("a thread");
+        Self { session, news }
+    }
+
+    /// With few patches, so that a solve takes milliseconds.
+    fn coarse() -> Self {
+        let watched = Self::new();
+        watched.session.set_settings(coarse(300));
+        watched
+    }
+
+    /// Waits for a snapshot; hours would pass before a hang were taken for a slow machine.
+    #[track_caller]
+    fn until(&self, what: &str, wanted: impl Fn(&Snapshot) -> bool) -> Arc<Snapshot> {
+        loop {
+            let latest = self.session.latest();
+            if wanted(&latest) {
+                return latest;
+            }
+            match self.news.recv_timeout(Duration::from_secs(300)) {
+                Ok(()) => {}
+                Err(RecvTimeoutError::Timeout) => panic!("no {what}; it stands at {:?}", latest.stage),
+                Err(RecvTimeoutError::Disconnected) => panic!("the worker is gone"),
+            }
+        }
+    }
+
+    /// Waits until a request later than the snapshot `before` has converged.
+    #[track_caller]
+    fn converged(&self, before: &Snapshot) -> Arc<Snapshot> {
+        self.until("convergence", |s| s.stage == Stage::Converged && s.last_change != before.last_change)
+    }
+
+    fn open_builtin(&self, name: &str) -> Arc<Snapshot> {
+        let before = self.session.latest();
+        self.session.open(SceneSource::Builtin(name.to_owned()));
+        self.converged(&before)
+    }
+}
+
+fn coarse(patches: usize) -> SolveSettings {
+    SolveSettings { patches: PatchTarget::Count(patches), resolution: Some(48), ..SolveSettings::default() }
+}
+
+/// Rows and sweeps out of a sentence such as "materials: 0 rows, 3 sweeps, 40 ms".
+#[track_caller]
+fn recomputed(snapshot: &Snapshot) -> (usize, usize) {
+    let words: Vec<&str> = snapshot.last_change.split([' ', ',']).collect();
+    let before = |name: &str| -> usize {
+        let at = words.iter().position(|w| *w == name).unwrap_or_else(|| panic!("{words:?}"));
+        let number = words[..at].iter().rev().find_map(|w| w.parse().ok());
+        number.unwrap_or_else(|| panic!("{words:?}"))
+    };
+    (before("rows"), before("sweeps"))
+}
+
+#[test]
+fn a_switched_lamp_recomputes_nothing() {
+    let watched = Watched::coarse();
+    let snapshot = watched.open_builtin("hemicube");
+    let solution = snapshot.solved().expect("it has converged");
+    let mut lighting = solution.scene.lighting();
+    let before = solution.light(&lighting);
+    lighting.lamps[0].on = !lighting.lamps[0].on;
+    let after = solution.light(&lighting);
+    assert_ne!(before, after, "the switch shows");
+    lighting.lamps[0].on = !lighting.lamps[0].on;
+    assert_eq!(before, solution.light(&lighting), "and shows no more once undone");
+    let now = watched.session.latest();
+    assert_eq!(now.serial, snapshot.serial, "the worker has not stirred");
+}
+
+#[test]
+fn a_reflectance_costs_sweeps_and_no_row() {
+    let watched = Watched::coarse();
+    let first = watched.open_builtin("cornell");
+    assert_eq!(recomputed(&first).0, first.mesh.as_ref().unwrap().patches.len());
+    let scene = first.scene.clone().unwrap();
+    let material = scene.materials.iter().position(|m| m.name == "red").unwrap() as u32;
+    let edit = MaterialEdit { material, reflectance: [0.05, 0.1, 0.7] };
+    watched.session.set_materials(vec![edit]);
+    let edited = watched.converged(&first);
+    let (rows, sweeps) = recomputed(&edited);
+    assert_eq!(rows, 0, "{}", edited.last_change);
+    assert!(sweeps > 0, "{}", edited.last_change);
+    assert!(Arc::ptr_eq(edited.form_factors.as_ref().unwrap(), first.form_factors.as_ref().unwrap()));
+    assert_eq!(edited.mesh_serial, first.mesh_serial);
+
+    // As good as if the scene had come so.
+    let mut other = (*scene).clone();
+    other.materials[material as usize].reflectance = edit.reflectance;
+    let direct = solved(&Arc::new(other), &coarse(300));
+    let lighting = scene.lighting();
+    let (a, b) = (edited.solved().unwrap().light(&lighting), direct.light(&lighting));
+    let largest = b.irradiance.iter().flatten().copied().fold(0.0, f32::max);
+    for (x, y) in a.irradiance.iter().flatten().zip(b.irradiance.iter().flatten()) {
+        assert!((x - y).abs() <= 2e-4 * largest, "{x} after the edit, {y} directly");
+    }
+}
+
+#[test]
+fn a_tolerance_costs_no_row_and_a_patch_size_all() {
+    let watched = Watched::coarse();
+    let first = watched.open_builtin("cornell");
+    watched.session.set_settings(SolveSettings { tolerance: 1e-6, ..coarse(300) });
+    let finer = watched.converged(&first);
+    assert_eq!(recomputed(&finer).0, 0, "{}", finer.last_change);
+    assert!(finer.sweeps.last().unwrap().error_bound <= 1e-6);
+    assert!(first.sweeps.last().unwrap().error_bound > 1e-6, "there was something to do");
+
+    watched.session.set_settings(coarse(500));
+    let smaller = watched.converged(&finer);
+    let patches = smaller.mesh.as_ref().unwrap().patches.len();
+    assert!(patches > first.mesh.as_ref().unwrap().patches.len());
+    assert_eq!(recomputed(&smaller).0, patches, "{}", smaller.last_change);
+
+    // Another method computes rows anew over the same patches.
+    watched.session.set_settings(SolveSettings { method: Method::Rays, resolution: Some(64), ..coarse(500) });
+    let by_rays = watched.converged(&smaller);
+    assert_eq!(recomputed(&by_rays).0, patches, "{}", by_rays.last_change);
+}
+
+fn write_room(folder: &Path, rho: f64, shift: f64) -> SceneSource {
+    let room = room_with_blocks(rho);
+    let (obj, mtl) = room.texts();
+    let moved = obj.replace("v 0.7 ", &format!("v {} ", 0.7 + shift));
+    std::fs::write(folder.join("room.obj"), format!("mtllib room.mtl\n{moved}")).unwrap();
+    std::fs::write(folder.join("room.mtl"), mtl).unwrap();
+    SceneSource::File(folder.join("room.obj"))
+}
+
+#[test]
+fn a_file_read_again_keeps_its_rows_while_its_geometry_stays() {
+    let folder = tempfile::tempdir().unwrap();
+    let watched = Watched::coarse();
+    let nothing = watched.session.latest();
+    watched.session.open(write_room(folder.path(), 0.5, 0.0));
+    let first = watched.converged(&nothing);
+    watched.session.open(write_room(folder.path(), 0.7, 0.0));
+    let repainted = watched.converged(&first);
+    let (rows, sweeps) = recomputed(&repainted);
+    assert_eq!(rows, 0, "{}", repainted.last_change);
+    assert!(sweeps > 0 && repainted.last_change.contains("rows kept"), "{}", repainted.last_change);
+    let mean = |s: &Snapshot| -> f32 { s.bases.as_ref().unwrap().values.iter().sum() };
+    assert!(mean(&repainted) > 1.2 * mean(&first), "the new paint shows");
+
+    watched.session.open(write_room(folder.path(), 0.7, 0.1));
+    let moved = watched.converged(&repainted);
+    assert_eq!(recomputed(&moved).0, moved.mesh.as_ref().unwrap().patches.len(), "{}", moved.last_change);
+}
+
+#[test]
+fn a_missing_file_leaves_the_present_scene() {
+    let watched = Watched::coarse();
+    let first = watched.open_builtin("cornell");
+    watched.session.open(SceneSource::File("no/such/file.obj".into()));
+    let failed = watched.until("failure", |s| s.stage == Stage::Failed);
+    let message = failed.error.clone().expect("a message");
+    assert!(message.contains("file.obj") && !message.contains('\n'), "{message}");
+    assert!(Arc::ptr_eq(failed.scene.as_ref().unwrap(), first.scene.as_ref().unwrap()));
+    assert!(Arc::ptr_eq(failed.bases.as_ref().unwrap(), first.bases.as_ref().unwrap()));
+    // And it can still be worked with.
+    watched.session.set_materials(vec![MaterialEdit { material: 0, reflectance: [0.2; 3] }]);
+    let edited = watched.converged(&failed);
+    assert_eq!(recomputed(&edited).0, 0, "{}", edited.last_change);
+    assert_eq!(edited.error, None);
+}
+
+#[test]
+fn the_newest_request_wins() {
+    let watched = Watched::new();
+    // Much work, never to be finished.
+    watched.session.open(SceneSource::Builtin("house".to_owned()));
+    watched.until("start", |s| s.stage == Stage::FirstLight);
+    for patches in [100, 200, 400] {
+        watched.session.set_settings(coarse(patches));
+        watched.session.open(SceneSource::Builtin("cornell".to_owned()));
+    }
+    let last = watched.until("convergence", |s| s.stage == Stage::Converged);
+    assert_eq!(last.scene.as_ref().unwrap().name, "cornell");
+    assert_eq!(last.settings, coarse(400));
+}
+
+#[test]
+fn pause_holds_and_resume_finishes() {
+    let watched = Watched::coarse();
+    watched.session.pause();
+    watched.session.open(SceneSource::Builtin("hemicube".to_owned()));
+    let resting = watched.until("rest", |s| s.paused && s.rows.0 > 0);
+    assert!(resting.bases.is_some(), "a picture is there");
+    assert!(resting.rows.0 < resting.rows.1);
+    std::thread::sleep(Duration::from_millis(300));
+    let still = watched.session.latest();
+    assert_eq!((still.rows, still.stage), (resting.rows, resting.stage), "it goes on although it is paused");
+    watched.session.resume();
+    let done = watched.until("convergence", |s| s.stage == Stage::Converged);
+    assert!(!done.paused && done.error.is_none());
+    assert!(done.sweeps.last().unwrap().error_bound <= 1e-4);
+}
+
+#[test]
+fn a_request_while_paused_replaces_what_rests() {
+    let watched = Watched::coarse();
+    watched.session.pause();
+    watched.session.open(SceneSource::Builtin("hemicube".to_owned()));
+    watched.until("rest", |s| s.paused && s.rows.0 > 0);
+    watched.session.open(SceneSource::Builtin("cornell".to_owned()));
+    let other = watched.until("the other scene at rest", |s| {
+        s.paused && s.rows.0 > 0 && s.scene.as_ref().is_some_and(|scene| scene.name == "cornell")
+    });
+    assert_ne!(other.stage, Stage::Converged);
+    watched.session.resume();
+    watched.until("convergence", |s| s.stage == Stage::Converged);
+}
+
+#[test]
+fn stop_keeps_the_picture_and_resume_starts_again() {
+    let watched = Watched::coarse();
+    watched.session.pause();
+    watched.session.open(SceneSource::Builtin("hemicube".to_owned()));
+    watched.until("rest", |s| s.paused && s.rows.0 > 0);
+    watched.session.stop();
+    let stopped = watched.until("stop", |s| s.stage == Stage::Stopped);
+    assert!(stopped.bases.is_some() && stopped.mesh.is_some() && stopped.error.is_none());
+    watched.session.resume();
+    watched.until("convergence", |s| s.stage == Stage::Converged);
+}
+
+#[test]
+fn a_stop_holds_for_a_request_that_was_not_yet_begun() {
+    let watched = Watched::coarse();
+    // The worker reads the first while the second and the stop arrive.
+    watched.session.open(SceneSource::Builtin("house".to_owned()));
+    watched.until("start", |s| s.stage == Stage::Loading);
+    watched.session.open(SceneSource::Builtin("cornell".to_owned()));
+    watched.session.stop();
+    watched.until("stop", |s| s.stage == Stage::Stopped);
+    std::thread::sleep(Duration::from_millis(300));
+    let latest = watched.session.latest();
+    assert_eq!(latest.stage, Stage::Stopped, "it went on by itself: {:?}", latest.rows);
+    watched.session.resume();
+    let done = watched.until("convergence", |s| s.stage == Stage::Converged);
+    assert_eq!(done.scene.as_ref().unwrap().name, "cornell");
+}
+
+#[test]
+fn a_dropped_session_ends_its_thread_at_any_stage() {
+    for wanted in [Stage::Idle, Stage::Loading, Stage::FirstLight, Stage::Converged] {
+        let alive = Arc::new(());
+        let (tell, news) = channel();
+        let held = alive.clone();
+        let session = Session::spawn(move || {
+            let _ = &held;
+            drop(tell.send(()));
+        })
+        .unwrap();
+        let settings = if wanted == Stage::Converged { coarse(100) } else { SolveSettings::default() };
+        session.set_settings(settings);
+        if wanted != Stage::Idle {
+            let name = if wanted == Stage::Converged { "cornell" } else { "house" };
+            session.open(SceneSource::Builtin(name.to_owned()));
+            while session.latest().stage != wanted {
+                news.recv_timeout(Duration::from_secs(300)).expect("news");
+                if wanted == Stage::Loading {
+                    break;
+                }
+            }
+        }
+        drop(session);
+        assert_eq!(Arc::strong_count(&alive), 1, "{wanted:?}: the thread still holds what it was given");
+    }
+}
+
+#[test]
+fn the_solution_has_the_same_bits_on_any_number_of_threads() {
+    for (method, resolution) in [(Method::Lines, 64), (Method::Hemicube, 32), (Method::Rays, 256)] {
+        let settings = SolveSettings { method, resolution: Some(resolution), ..coarse(400) };
+        let scene = builtin("hemicube");
+        let on = |threads: usize| {
+            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+            pool.install(|| solved(&scene, &settings))
+        };
+        let one = on(1);
+        for threads in [2, 8] {
+            let many = on(threads);
+            let bits = |values: &[f32]| -> Vec<u32> { values.iter().map(|v| v.to_bits()).collect() };
+            let same = bits(&one.bases.values) == bits(&many.bases.values);
+            assert!(same, "{} on {threads} threads", method.name());
+            for i in 0..one.form_factors.len() {
+                assert_eq!(one.form_factors.row(i), many.form_factors.row(i), "{} row {i}", method.name());
+            }
+        }
+    }
+}
