@@ -85,7 +85,7 @@ struct Seen {
     /// What its spans are scaled by: the closed form over `total`.
     ratio: f64,
     /// The hidden fraction of a region that does not emit.
-    doubt: f64,
+    doubt: Option<f64>,
     /// Sums of its intervals and of the visible ones among them.
     total: f64,
     visible: f64,
@@ -156,17 +156,24 @@ impl LineSampler {
             self.lines[k] = line;
         }
         // The lines' own error on a whole region is known, and is taken out of its visible part.
-        let (mut sky, mut rest, mut doubtful) = (1.0, 1.0, 0.0);
+        let (mut sky, mut lamps, mut others, mut doubtful) = (1.0, 0.0, 0.0, 0.0);
         for seen in self.seen.iter_mut().filter(|seen| seen.visible > 0.0) {
             let region = &scene.regions[seen.region as usize];
             if let Some(exact) = lambert(scene, region, point, &frame) {
                 seen.ratio = (exact / (seen.total * per_line)).clamp(0.25, 4.0);
             }
-            // A lamp's light is not shifted by what is missing elsewhere.
-            seen.doubt = if region.emits { 0.0 } else { 1.0 - seen.visible / seen.total };
+            let amount = seen.visible * per_line * seen.ratio;
             sky -= seen.visible * per_line;
-            rest -= seen.visible * per_line * seen.ratio;
-            doubtful += seen.visible * per_line * seen.ratio * seen.doubt;
+            if region.emits {
+                // A lamp's light is not shifted by what is missing elsewhere.
+                seen.doubt = None;
+                lamps += amount;
+            } else {
+                let hidden = 1.0 - seen.visible / seen.total;
+                seen.doubt = Some(hidden);
+                others += amount;
+                doubtful += amount * hidden;
+            }
         }
         // All that is seen and the sky make up one: what is left is shared by the sky and by what is
         // hidden in part, for which the closed form is but an estimate.
@@ -349,7 +356,7 @@ impl LineSampler {
             u_offset: region.u_axis.dot(from_origin),
             v_offset: region.v_axis.dot(from_origin),
             ratio: 1.0,
-            doubt: 0.0,
+            doubt: None,
             total,
             visible: 0.0,
         });
