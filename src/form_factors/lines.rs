@@ -84,7 +84,7 @@ struct Seen {
     v_offset: f64,
     /// What its spans are scaled by: the closed form over `total`.
     ratio: f64,
-    /// The hidden fraction of a region that does not emit.
+    /// The hidden fraction of what it covers; none where it emits or is not seen.
     doubt: Option<f64>,
     /// Sums of its intervals and of the visible ones among them.
     total: f64,
@@ -110,9 +110,6 @@ pub struct LineSampler {
     /// Lamps above the horizon that no half-plane met.
     missed: Vec<u32>,
 }
-
-/// Less of the hemisphere than this is rounding, not an opening.
-const NO_SKY: f64 = 1e-6;
 
 /// Intervals shorter than this in x carry nothing.
 const SHORTEST: f64 = 1e-13;
@@ -176,19 +173,14 @@ impl LineSampler {
             }
         }
         // All that is seen and the sky make up one: what is left is shared by the sky and by what is
-        // hidden in part, for which the closed form is but an estimate.
-        let share = ((rest - sky) / (doubtful + sky).max(f64::MIN_POSITIVE)).clamp(-0.25, 0.25);
-        let (mut lamps, mut others) = (0.0, 0.0);
+        // hidden in part, for which the closed form is but an estimate; what that cannot take, by all.
+        let left = 1.0 - sky - lamps - others;
+        let share = (left / (doubtful + sky).max(f64::MIN_POSITIVE)).clamp(-0.25, 0.25);
+        let rest = (1.0 - lamps - sky * (1.0 + share)) / (others + share * doubtful).max(f64::MIN_POSITIVE);
         for seen in &mut self.seen {
-            seen.ratio *= 1.0 + share * seen.doubt;
-            let amount = seen.visible * per_line * seen.ratio;
-            *(if scene.regions[seen.region as usize].emits { &mut lamps } else { &mut others }) += amount;
-        }
-        // Where no sky is seen, what is seen makes up one whatever is left.
-        if sky < NO_SKY && others > 0.0 {
-            let factor = ((1.0 - sky - lamps) / others).clamp(0.5, 2.0);
-            let dark = |seen: &&mut Seen| !scene.regions[seen.region as usize].emits;
-            self.seen.iter_mut().filter(dark).for_each(|seen| seen.ratio *= factor);
+            if let Some(doubt) = seen.doubt {
+                seen.ratio *= (1.0 + share * doubt) * rest.clamp(0.9, 1.1);
+            }
         }
         for &(patch, amount, seen) in &self.pieces {
             row.add(patch, amount * per_line * self.seen[seen as usize].ratio);
