@@ -21,7 +21,7 @@ struct Watched {
 impl Watched {
     fn new() -> Self {
         let (tell, news) = channel();
-        let session = Session::spawn(move || drop(tell.send(()))).expect("a thread");
+        let session = Session::spawn(move || tell.send(()).unwrap_or(())).expect("a thread");
         Self { session, news }
     }
 
@@ -274,7 +274,7 @@ fn a_dropped_session_ends_its_thread_at_any_stage() {
         let held = alive.clone();
         let session = Session::spawn(move || {
             let _ = &held;
-            drop(tell.send(()));
+            tell.send(()).unwrap_or(());
         })
         .unwrap();
         let settings = if wanted == Stage::Converged { coarse(100) } else { SolveSettings::default() };
