@@ -98,15 +98,21 @@ impl Hemicube {
                 if height.abs() <= contact {
                     continue;
                 }
-                let patch = piece.patches[usize::from(height < 0.0)];
+                let side = usize::from(height < 0.0);
+                // What shows a side that no light reaches slipped through a seam.
+                if region.dark[side] {
+                    continue;
+                }
+                let patch = piece.patches[side];
                 sampler.polygon.clear();
                 sampler.polygon.extend(mesh.corners_of(piece).iter().map(|c| {
                     let p = mesh.vertices[c.vertex as usize] - point;
                     DVec3::new(right.dot(p), rise.dot(p), out.dot(p))
                 }));
-                // A dark side occludes as any other; it is told apart from an empty cell by depth.
+                // A black side occludes as any other; it is told apart from an empty cell by depth.
                 sampler.project(lowest, rows, n, patch);
             }
+            sampler.close_seams(n);
             let table = if index == 0 { &self.top } else { &self.side };
             for (&patch, &delta) in sampler.items.iter().zip(table) {
                 if patch != NO_PATCH {
@@ -118,6 +124,31 @@ impl Hemicube {
 }
 
 impl HemicubeSampler {
+    /// Gives cells that fell through the seam of two surfaces to a neighbour: those which nothing met
+    /// although something stands on both sides of them. A gap so narrow is beneath the resolution.
+    fn close_seams(&mut self, n: usize) {
+        let rows = self.depths.len() / n;
+        let empty = |cell: usize| self.depths[cell] == 0.0;
+        let mended: Vec<(usize, u32)> = (0..self.depths.len())
+            .filter(|&cell| empty(cell))
+            .filter_map(|cell| {
+                let (j, i) = (cell / n, cell % n);
+                // Past the rim of the face something stands too, as far as this face can tell.
+                let stands = |at: Option<usize>| at.is_none_or(|at| !empty(at));
+                let pairs = [
+                    [(i > 0).then(|| cell - 1), (i + 1 < n).then_some(cell + 1)],
+                    [(j > 0).then(|| cell - n), (j + 1 < rows).then_some(cell + n)],
+                ];
+                let [one, other] = pairs.into_iter().find(|&[a, b]| stands(a) && stands(b))?;
+                let one = one.or(other)?;
+                Some((cell, self.items[one]))
+            })
+            .collect();
+        for (cell, item) in mended {
+            self.items[cell] = item;
+        }
+    }
+
     /// Clips the polygon to the face's pyramid and enters it where a cell's centre lies in it and
     /// nothing nearer stands.
     fn project(&mut self, lowest: f64, rows: usize, n: usize, patch: u32) {

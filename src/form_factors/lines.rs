@@ -86,6 +86,8 @@ struct Seen {
     ratio: f64,
     /// The hidden fraction of what it covers; none where it emits or is not seen.
     doubt: Option<f64>,
+    /// Half-planes that met it.
+    met: u32,
     /// Sums of its intervals and of the visible ones among them.
     total: f64,
     visible: f64,
@@ -111,6 +113,8 @@ pub struct LineSampler {
     missed: Vec<u32>,
 }
 
+/// Regions met by fewer half-planes are not scaled to their closed form.
+const FEWEST: u32 = 3;
 /// Intervals shorter than this in x carry nothing.
 const SHORTEST: f64 = 1e-13;
 
@@ -156,7 +160,10 @@ impl LineSampler {
         let (mut sky, mut lamps, mut others, mut doubtful) = (1.0, 0.0, 0.0, 0.0);
         for seen in self.seen.iter_mut().filter(|seen| seen.visible > 0.0) {
             let region = &scene.regions[seen.region as usize];
-            if let Some(exact) = lambert(scene, region, point, &frame) {
+            // What so few half-planes meet is right in the mean as it was met: the closed form where it
+            // was met, and nothing where it was missed, would take light from it.
+            let often = seen.met >= FEWEST || region.emits;
+            if let Some(exact) = often.then(|| lambert(scene, region, point, &frame)).flatten() {
                 seen.ratio = (exact / (seen.total * per_line)).clamp(0.25, 4.0);
             }
             let amount = seen.visible * per_line * seen.ratio;
@@ -179,7 +186,7 @@ impl LineSampler {
         let rest = (1.0 - lamps - sky * (1.0 + share)) / (others + share * doubtful).max(f64::MIN_POSITIVE);
         for seen in &mut self.seen {
             if let Some(doubt) = seen.doubt {
-                seen.ratio *= (1.0 + share * doubt) * rest.clamp(0.9, 1.1);
+                seen.ratio *= (1.0 + share * doubt) * rest.clamp(0.5, 2.0);
             }
         }
         for &(patch, amount, seen) in &self.pieces {
@@ -349,6 +356,7 @@ impl LineSampler {
             v_offset: region.v_axis.dot(from_origin),
             ratio: 1.0,
             doubt: None,
+            met: self.touched.len() as u32,
             total,
             visible: 0.0,
         });

@@ -32,8 +32,8 @@ pub struct AssembleReport {
     pub imbalance: f64,
 }
 
-/// Row sums within this of one count as closed: the rest is sampling error.
-const CLOSED: f64 = 2e-3;
+/// Row sums within this of one count as closed: what single precision leaves of a row.
+const CLOSED: f64 = 2e-6;
 /// Scaling stops at this deviation of row sums, or after that many passes.
 const BALANCED: f64 = 1e-7;
 const MOST_PASSES: usize = 40;

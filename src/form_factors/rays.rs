@@ -12,6 +12,8 @@ pub struct RayScene {
     /// For each triangle the patches on its front and back, and its front normal.
     patches: Vec<[u32; 2]>,
     normals: Vec<DVec3>,
+    /// For each triangle whether no light reaches its front, its back: rays pass through such a side.
+    dark: Vec<[bool; 2]>,
     /// Rays start this far off the surface, metres.
     offset: f64,
 }
@@ -27,15 +29,24 @@ impl RayScene {
                 .iter()
                 .map(|&p| mesh.regions[mesh.pieces[p as usize].region as usize].frame.normal)
                 .collect(),
+            dark: pieces
+                .iter()
+                .map(|&p| mesh.regions[mesh.pieces[p as usize].region as usize].dark)
+                .collect(),
             offset: 1e-7 * mesh.size,
         }
     }
 
-    /// The patch that a ray from `point` meets first; `None` where it escapes or meets a dark side.
+    /// The patch that a ray from `point` meets first; `None` where it escapes or meets a black side.
+    ///
+    /// A ray that meets a side which no light reaches has slipped through a seam and goes on.
     pub fn patch_seen(&self, point: DVec3, direction: DVec3) -> Option<u32> {
-        let hit = self.bvh.nearest(&Ray { origin: point, direction }, self.offset, f64::INFINITY)?;
+        let side_of = |triangle: usize| usize::from(self.normals[triangle].dot(direction) > 0.0);
+        let ray = Ray { origin: point, direction };
+        let lit = |t: u32| !self.dark[t as usize][side_of(t as usize)];
+        let hit = self.bvh.nearest_where(&ray, self.offset, f64::INFINITY, lit)?;
         let triangle = hit.triangle as usize;
-        let side = usize::from(self.normals[triangle].dot(direction) > 0.0);
+        let side = side_of(triangle);
         let patch = self.patches[triangle][side];
         (patch != NO_PATCH).then_some(patch)
     }

@@ -1,6 +1,7 @@
 //! Which sides of which regions light can reach: the outside of a closed shell needs no patches.
 //!
-//! A side is lit if a diffuse path that starts on it comes to a point from which a lamp is seen.
+//! A side is lit if a diffuse path that starts on it comes to a point from which a lamp is seen, or a
+//! point that a path from a lamp came to: paths from both ends meet where lamps hide in housings.
 //! Paths run through free space only, so that the inside of a box that stands on a lit floor stays
 //! dark although it touches the floor.
 
@@ -15,6 +16,8 @@ use rayon::prelude::*;
 const PATHS: u64 = 32;
 /// Points on a path, its start included.
 const BOUNCES: u64 = 4;
+/// Paths from lamps; every point that they come to counts as light for the others.
+const LAMP_PATHS: u64 = 1024;
 /// This many paths must find light: a single one may have slipped through the seam of two faces.
 const ENOUGH: u32 = 2;
 
@@ -46,6 +49,8 @@ pub(super) struct Search<'a> {
     normals: Vec<DVec3>,
     /// Points on lamps with the direction that they shine to.
     lamps: Vec<(DVec3, DVec3)>,
+    /// Points that paths from lamps came to, with the normals of the sides that they met.
+    lit: Vec<(DVec3, DVec3)>,
     offset: f64,
 }
 
@@ -72,7 +77,40 @@ impl<'a> Search<'a> {
                 }
             }
         }
-        Self { scene, outlines, bvh: Bvh::build(&triangles), normals, lamps, offset: size * 1e-7 }
+        let bvh = Bvh::build(&triangles);
+        let mut search =
+            Self { scene, outlines, bvh, normals, lamps, lit: Vec::new(), offset: size * 1e-7 };
+        search.lit = search.paths_from_lamps();
+        search
+    }
+
+    /// The points that diffuse paths from the lamps come to.
+    fn paths_from_lamps(&self) -> Vec<(DVec3, DVec3)> {
+        if self.lamps.is_empty() {
+            return Vec::new();
+        }
+        let mut points = Vec::new();
+        for path in 0..LAMP_PATHS {
+            // Every lamp in turn.
+            let start = (path as f64 * 0.618_033_988_749_894_9).fract() * self.lamps.len() as f64;
+            let (mut point, mut normal) = self.lamps[(start as usize).min(self.lamps.len() - 1)];
+            for bounce in 0..BOUNCES {
+                let key = (1 << 60) + path * BOUNCES + bounce;
+                let Some(next) = self.bounce(point + normal * self.offset, normal, key) else { break };
+                (point, normal) = next;
+                points.push(next);
+            }
+        }
+        points
+    }
+
+    /// Where a diffuse step from a point comes to, and the normal of the side that it meets.
+    fn bounce(&self, origin: DVec3, normal: DVec3, key: u64) -> Option<(DVec3, DVec3)> {
+        let direction = Frame::around(normal).world(cosine_from(unit(key, 1), unit(key, 2)));
+        let hit = self.bvh.nearest(&Ray { origin, direction }, 0.0, f64::INFINITY)?;
+        let front = self.normals[hit.triangle as usize];
+        let normal = if front.dot(direction) > 0.0 { -front } else { front };
+        Some((origin + direction * hit.distance, normal))
     }
 
     /// For every region how its front and its back stand to light.
@@ -150,24 +188,21 @@ impl<'a> Search<'a> {
         for bounce in 0..BOUNCES {
             point += normal * self.offset;
             let key = seed.wrapping_mul(BOUNCES) + bounce;
-            let lamp = (unit(key, 0) * self.lamps.len() as f64) as usize;
-            let (at, towards) = self.lamps[lamp.min(self.lamps.len() - 1)];
+            // Lamps and what they light take turns.
+            let lights = if self.lit.is_empty() || bounce % 2 == 0 { &self.lamps } else { &self.lit };
+            let pick = (unit(key, 0) * lights.len() as f64) as usize;
+            let (at, towards) = lights[pick.min(lights.len() - 1)];
             let at = at + towards * self.offset;
-            let to_lamp = at - point;
-            if to_lamp.dot(normal) > 0.0
-                && to_lamp.dot(towards) < 0.0
-                && !self.bvh.occluded(&Ray { origin: point, direction: to_lamp }, 0.0, 1.0)
+            let to_light = at - point;
+            if to_light.dot(normal) > 0.0
+                && to_light.dot(towards) < 0.0
+                && !self.bvh.occluded(&Ray { origin: point, direction: to_light }, 0.0, 1.0)
             {
                 return true;
             }
-            let direction = Frame::around(normal).world(cosine_from(unit(key, 1), unit(key, 2)));
-            let Some(hit) = self.bvh.nearest(&Ray { origin: point, direction }, 0.0, f64::INFINITY) else {
-                return false;
-            };
-            point += direction * hit.distance;
-            normal = self.normals[hit.triangle as usize];
-            if normal.dot(direction) > 0.0 {
-                normal = -normal;
+            match self.bounce(point, normal, key) {
+                Some(next) => (point, normal) = next,
+                None => return false,
             }
         }
         false
