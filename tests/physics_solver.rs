@@ -51,18 +51,15 @@ fn a_white_furnace_is_white() {
 }
 
 #[test]
-fn a_room_of_one_sided_things_is_white_but_for_what_sees_their_backs() {
-    // In the gallery capitals, coves and statues are one-sided and stand upon each other: what they
-    // cover in part, or what sees a back through a seam, sees less than a whole hemisphere.
+fn a_white_furnace_is_white_in_the_gallery() {
+    // One-sided things stand upon each other here and lamps hide in coves; still no row loses anything.
     let made = assembled(&builtin("gallery"), &common::settings(PatchTarget::Auto, Default::default(), 96));
     let own = |i: usize| made.patches()[i].reflectance[0];
     let b = made.radiosity(&made.grey_system(|i| (own(i), 1.0 - own(i))), 1e-7);
-    let (whole, all) = (|i: &usize| made.form_factors.row_sum(*i) > 0.999_99, made.of(|_| true));
-    let closed: Vec<usize> = all.iter().copied().filter(whole).collect();
-    let share = made.area(&closed) / made.area(&all);
-    assert!(share > 0.9, "{share} of the area sees a whole hemisphere");
-    let off = mean(made.patches(), &closed, |i| (b[i] - 1.0).abs());
-    assert!(off < 1e-3, "B is off by {off} in the mean");
+    for i in lit(&made) {
+        let p = &made.patches()[i];
+        assert!((b[i] - 1.0).abs() < 1e-4, "B = {} at {} facing {}", b[i], p.centre, p.normal);
+    }
 }
 
 #[test]
@@ -259,11 +256,8 @@ fn eight_sweeps_are_enough_everywhere() {
         let scene = builtin(name);
         let made = assembled(&scene, &common::settings(PatchTarget::Count(patches), Default::default(), 48));
         check_eight_sweeps(name, &made, &made.system(None));
-        // Housings of lamps and gaps under furniture hold light of their own at 0.99.
-        if ["hemicube", "cornell"].contains(&name) {
-            let bright = vec![[0.99; 3]; made.patches().len()];
-            check_eight_sweeps(&format!("{name} at 0.99"), &made, &made.system(Some(&bright)));
-        }
+        let bright = vec![[0.99; 3]; made.patches().len()];
+        check_eight_sweeps(&format!("{name} at 0.99"), &made, &made.system(Some(&bright)));
     }
 }
 

@@ -78,8 +78,7 @@ impl<'a> Search<'a> {
             }
         }
         let bvh = Bvh::build(&triangles);
-        let mut search =
-            Self { scene, outlines, bvh, normals, lamps, lit: Vec::new(), offset: size * 1e-7 };
+        let mut search = Self { scene, outlines, bvh, normals, lamps, lit: Vec::new(), offset: size * 1e-7 };
         search.lit = search.paths_from_lamps();
         search
     }

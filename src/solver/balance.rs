@@ -9,14 +9,16 @@ use crate::form_factors::FormFactors;
 use crate::mesh::PatchMesh;
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeMap;
 
 /// At most this many aggregates: a dense system of this size is solved in milliseconds.
-const MOST_AGGREGATES: usize = 256;
-/// Of these, sides large enough to stand for themselves.
-const MOST_SINGLE: usize = 192;
+const MOST_AGGREGATES: usize = 384;
+/// At most about this many parts of sides before they are joined.
+const MOST_PARTS: usize = 2048;
 /// Blocks of a side along each of its axes, at most.
 const MOST_BLOCKS: f64 = 4.0;
+/// Cells of space along each axis that the smallest sides of an object share.
+const CELLS: f64 = 6.0;
 
 /// Which aggregate each patch belongs to.
 #[derive(Clone, Debug, Default)]
@@ -26,48 +28,195 @@ pub(super) struct Aggregates {
 }
 
 impl Aggregates {
-    /// Blocks of the sides of regions, since one floor may run through several rooms; in large scenes
-    /// whole sides, the smaller of which share one a cell of space.
-    pub(super) fn new(mesh: &PatchMesh) -> Self {
-        let mut areas: BTreeMap<(u32, u8), f64> = BTreeMap::new();
-        for p in &mesh.patches {
-            *areas.entry((p.region, p.side as u8)).or_default() += p.area;
+    /// Parts of sides, joined with what they exchange most light with until few enough are left.
+    ///
+    /// What sees mostly each other holds almost the same error: the inside of a lamp's housing comes
+    /// together before it joins the room outside.
+    pub(super) fn new(mesh: &PatchMesh, form_factors: &FormFactors) -> Self {
+        let parts = Self::parts(mesh);
+        let mut graph = Exchange::between(&parts, form_factors);
+        let mut part_in: Vec<u32> = (0..parts.count as u32).collect();
+        while graph.areas.len() > MOST_AGGREGATES {
+            let Some(joined) = graph.join(MOST_AGGREGATES) else { break };
+            part_in.iter_mut().for_each(|a| *a = joined.of_patch[*a as usize]);
+            graph = graph.coarser(&joined);
         }
-        let mut sides: Vec<((u32, u8), f64)> = areas.into_iter().collect();
-        let all = sides.len() <= MOST_AGGREGATES;
-        sides.sort_by(|a, b| b.1.total_cmp(&a.1).then(a.0.cmp(&b.0)));
-        if !all {
-            sides.truncate(MOST_SINGLE);
+        let of_patch = parts.of_patch.iter().map(|&part| part_in[part as usize]).collect();
+        Self { of_patch, count: graph.areas.len() }
+    }
+
+    /// Blocks of connected sides, larger sides in more of them, since one floor may run through several
+    /// rooms; where there are too many sides, the smaller ones of an object share cells of space.
+    fn parts(mesh: &PatchMesh) -> Self {
+        let sides = connected_sides(mesh);
+        let mut areas: BTreeMap<u32, f64> = BTreeMap::new();
+        for (p, &side) in mesh.patches.iter().zip(&sides) {
+            *areas.entry(side).or_default() += p.area;
         }
-        let blocks =
-            if all { (MOST_AGGREGATES as f64 / sides.len().max(1) as f64).sqrt().floor() } else { 1.0 };
-        let blocks = blocks.min(MOST_BLOCKS);
-        let single: BTreeSet<(u32, u8)> = sides.iter().map(|s| s.0).collect();
-        let cells = ((MOST_AGGREGATES - MOST_SINGLE) as f64).cbrt().floor();
+        let total: f64 = areas.values().sum();
+        let mut sizes: Vec<f64> = areas.values().copied().collect();
+        sizes.sort_by(|a, b| b.total_cmp(a));
+        let smallest = sizes.get(MOST_PARTS - MOST_AGGREGATES).copied().unwrap_or(0.0);
         let bounds = crate::geometry::Aabb::around(mesh.patches.iter().map(|p| p.centre));
-        let step = (bounds.size() / cells).max(DVec3::splat(f64::MIN_POSITIVE));
+        let step = (bounds.size() / CELLS).max(DVec3::splat(f64::MIN_POSITIVE));
         let mut index_of: BTreeMap<[i64; 5], u32> = BTreeMap::new();
         let of_patch: Vec<u32> = mesh
             .patches
             .iter()
-            .map(|p| {
-                let key = if single.contains(&(p.region, p.side as u8)) {
-                    let region = &mesh.regions[p.region as usize];
+            .zip(&sides)
+            .map(|(p, side)| {
+                let region = &mesh.regions[p.region as usize];
+                let area = areas.get(side).copied().unwrap_or(0.0);
+                let key = if area > smallest {
+                    let blocks = (area / total * MOST_AGGREGATES as f64).sqrt().ceil().min(MOST_BLOCKS);
                     let local = region.frame.local(p.centre - region.origin).truncate() - region.grid_min;
                     let extent =
                         region.cell_size * DVec2::new(region.cells[0].into(), region.cells[1].into());
                     let block =
                         (local / extent * blocks).floor().clamp(DVec2::ZERO, DVec2::splat(blocks - 1.0));
-                    [1, p.region.into(), p.side as i64, block.x as i64, block.y as i64]
+                    [0, i64::from(*side), 0, block.x as i64, block.y as i64]
                 } else {
-                    let cell = ((p.centre - bounds.min) / step).floor().min(DVec3::splat(cells - 1.0));
-                    [0, 0, cell.x as i64, cell.y as i64, cell.z as i64]
+                    let cell = ((p.centre - bounds.min) / step).floor().min(DVec3::splat(CELLS - 1.0));
+                    [1 + i64::from(region.object), p.side as i64, cell.x as i64, cell.y as i64, cell.z as i64]
                 };
                 let next = index_of.len() as u32;
                 *index_of.entry(key).or_insert(next)
             })
             .collect();
         Self { of_patch, count: index_of.len() }
+    }
+}
+
+/// For every patch the lowest one of its region and side that it hangs together with by shared vertices:
+/// the discs of two lamps in one plane are two.
+fn connected_sides(mesh: &PatchMesh) -> Vec<u32> {
+    fn root(parent: &mut [u32], mut i: u32) -> u32 {
+        while parent[i as usize] != i {
+            parent[i as usize] = parent[parent[i as usize] as usize];
+            i = parent[i as usize];
+        }
+        i
+    }
+    let mut parent: Vec<u32> = (0..mesh.patches.len() as u32).collect();
+    let mut at_vertex: BTreeMap<(u32, u8, u32), u32> = BTreeMap::new();
+    for (i, patch) in (0_u32..).zip(&mesh.patches) {
+        for corner in mesh.pieces_of(patch).flat_map(|piece| mesh.corners_of(piece)) {
+            let other = *at_vertex.entry((patch.region, patch.side as u8, corner.vertex)).or_insert(i);
+            let (a, b) = (root(&mut parent, i), root(&mut parent, other));
+            parent[a.max(b) as usize] = a.min(b);
+        }
+    }
+    (0..parent.len() as u32).map(|i| root(&mut parent, i)).collect()
+}
+
+/// Exchange areas between aggregates, m², row by row in rising order, without their diagonal.
+struct Exchange {
+    rows: Vec<Vec<(u32, f64)>>,
+    areas: Vec<f64>,
+}
+
+impl Exchange {
+    fn between(parts: &Aggregates, form_factors: &FormFactors) -> Self {
+        let mut members: Vec<Vec<usize>> = vec![Vec::new(); parts.count];
+        for (i, &part) in parts.of_patch.iter().enumerate() {
+            members[part as usize].push(i);
+        }
+        let rows = members
+            .par_iter()
+            .enumerate()
+            .map_init(
+                || vec![0.0; parts.count],
+                |sums, (own, members)| {
+                    for &i in members {
+                        let (columns, values) = form_factors.row(i);
+                        for (&j, &s) in columns.iter().zip(values) {
+                            sums[parts.of_patch[j as usize] as usize] += f64::from(s);
+                        }
+                    }
+                    Self::take_row(sums, own)
+                },
+            )
+            .collect();
+        let areas = members.iter().map(|m| m.iter().map(|&i| form_factors.area(i)).sum()).collect();
+        Self { rows, areas }
+    }
+
+    /// Moves what a row summed up to out of `sums`, which is left empty.
+    fn take_row(sums: &mut [f64], own: usize) -> Vec<(u32, f64)> {
+        sums[own] = 0.0;
+        let entries = sums.iter_mut().enumerate().filter(|(_, s)| **s > 0.0);
+        entries.map(|(j, s)| (j as u32, std::mem::take(s))).collect()
+    }
+
+    /// Joins pairs in falling order of how fast sweeps even out a difference between the two, which is
+    /// what joining them loses: at most a sixteenth of all at a time, and no further than to `fewest`.
+    /// `None` where nothing is left to join.
+    ///
+    /// The rate is the Rayleigh quotient of that difference in the network of exchange areas,
+    /// (O_a A_b / A_a + O_b A_a / A_b + 2 S_ab) / (A_a + A_b), with O what leaves an aggregate: about 1
+    /// for what sees mostly others, small for a cavity, or a room, that sees mostly itself.
+    fn join(&self, fewest: usize) -> Option<Aggregates> {
+        let n = self.areas.len();
+        let out: Vec<f64> = self.rows.iter().map(|row| row.iter().map(|e| e.1).sum()).collect();
+        let rate = |a: usize, b: usize, s: f64| {
+            let (area_a, area_b) = (self.areas[a], self.areas[b]);
+            (out[a] * area_b / area_a + out[b] * area_a / area_b + 2.0 * s) / (area_a + area_b)
+        };
+        let mut pairs: Vec<(f64, u32, u32)> = (0..n)
+            .into_par_iter()
+            .filter_map(|a| {
+                let (best, rate) = self.rows[a]
+                    .iter()
+                    .map(|&(b, s)| (b, rate(a, b as usize, s)))
+                    .max_by(|x, y| x.1.total_cmp(&y.1).then(y.0.cmp(&x.0)))?;
+                Some((rate, (a as u32).min(best), (a as u32).max(best)))
+            })
+            .collect();
+        pairs.sort_by(|x, y| y.0.total_cmp(&x.0).then((x.1, x.2).cmp(&(y.1, y.2))));
+        let most = (n - fewest).min((n / 16).max(1));
+        let mut partner: Vec<u32> = (0..n as u32).collect();
+        let mut joined = 0;
+        for (_, a, b) in pairs {
+            if joined == most {
+                break;
+            }
+            if partner[a as usize] == a && partner[b as usize] == b {
+                (partner[a as usize], partner[b as usize]) = (b, a);
+                joined += 1;
+            }
+        }
+        let mut of_patch = vec![0; n];
+        let mut count = 0;
+        for a in 0..n {
+            let first = (partner[a] as usize).min(a);
+            if first == a {
+                of_patch[a] = count as u32;
+                count += 1;
+            } else {
+                of_patch[a] = of_patch[first];
+            }
+        }
+        (joined > 0).then_some(Aggregates { of_patch, count })
+    }
+
+    fn coarser(&self, joined: &Aggregates) -> Self {
+        let mut rows = vec![Vec::new(); joined.count];
+        let mut areas = vec![0.0; joined.count];
+        let mut members: Vec<Vec<usize>> = vec![Vec::new(); joined.count];
+        for (a, &to) in joined.of_patch.iter().enumerate() {
+            areas[to as usize] += self.areas[a];
+            members[to as usize].push(a);
+        }
+        let mut sums = vec![0.0; joined.count];
+        for (own, row) in rows.iter_mut().enumerate() {
+            for &a in &members[own] {
+                for &(b, s) in &self.rows[a] {
+                    sums[joined.of_patch[b as usize] as usize] += s;
+                }
+            }
+            *row = Self::take_row(&mut sums, own);
+        }
+        Self { rows, areas }
     }
 }
 

@@ -61,7 +61,7 @@ impl GaussSeidel {
                 Group { columns: columns.to_vec(), radiosity, irradiance: zeros.clone(), residual: zeros }
             })
             .collect();
-        let aggregates = Aggregates::new(mesh);
+        let aggregates = Aggregates::new(mesh, form_factors);
         let balance = PowerBalance::new(form_factors, system, &aggregates);
         let row_sums: Vec<f64> = (0..n).into_par_iter().map(|i| form_factors.row_sum(i)).collect();
         let spectral_bound = (0..n)
