@@ -7,7 +7,7 @@ use glam::{DVec3, dvec3};
 use lumenwalk::effects::{Effect, EffectChoices, EffectState, plan};
 use lumenwalk::mesh::{MeshSettings, PatchTarget, build};
 use lumenwalk::scene::Scene;
-use lumenwalk::session::{SolveSettings, Solved};
+use lumenwalk::session::{SolveSettings, Solved, prepare};
 use std::sync::Arc;
 
 fn forced(with: &[Effect], without: &[Effect]) -> EffectChoices {
@@ -134,4 +134,31 @@ fn two_sided_surfaces_can_be_left_out_by_choice() {
     let off = mesh(&forced(&[], &[Effect::TwoSided]));
     assert_eq!(off.state, EffectState::OffByChoice);
     assert!(off.evidence.starts_with("0 of"), "no patch is left on a back: {}", off.evidence);
+}
+
+#[test]
+fn rows_of_a_convex_room_are_the_closed_forms() {
+    let scene = convex_room([1.0; 3], [0.5; 3]);
+    let made = prepare(scene, &lines(PatchTarget::Count(150))).unwrap();
+    let mut scratch = made.computer.scratch();
+    for (i, patch) in (0_u32..).zip(&made.mesh.patches) {
+        let row = made.computer.row(i, &mut scratch);
+        for j in 0..made.mesh.patches.len() as u32 {
+            let other = &made.mesh.patches[j as usize];
+            let faces = other.normal.dot(patch.centre - other.centre) > 1e-6;
+            let expected = if faces { made.computer.unoccluded(patch.centre, patch.normal, j) } else { 0.0 };
+            assert!((row.get(j) - expected).abs() < 1e-6, "{i} to {j}: {} for {expected}", row.get(j));
+        }
+        assert!((row.sum() - 1.0).abs() < 1e-6, "row {i} sums to {}", row.sum());
+    }
+}
+
+#[test]
+fn what_an_effect_costs_is_measured_where_it_is_on() {
+    let with = solved(&room_with_blocks(0.5).scene(), &lines(PatchTarget::Count(600)));
+    let cost = |of: &Solved, effect| of.plan.decisions.iter().find(|d| d.effect == effect).unwrap().measured;
+    let visibility = cost(&with, Effect::Visibility).expect("measured").as_secs_f64();
+    assert!(visibility > 0.0 && visibility < with.timings.rows, "{visibility} of {}", with.timings.rows);
+    let without = solved(&convex_room([1.0; 3], [0.5; 3]), &lines(PatchTarget::Count(300)));
+    assert_eq!(cost(&without, Effect::Visibility), None, "what is off takes nothing");
 }

@@ -5,6 +5,7 @@
 //! wrong about close neighbours by closed forms, and closes the power balance.
 
 pub mod closed_form;
+mod convex;
 mod culling;
 mod hemicube;
 mod lines;

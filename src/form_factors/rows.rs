@@ -1,6 +1,7 @@
 //! Computes rows by the chosen method.
 
 use super::closed_form::point_to_polygon;
+use super::convex::{ConvexRows, ConvexScratch};
 use super::{Fan, Hemicube, HemicubeSampler, LineSampler, Method, Occluders, RayScene, Row, RowBuffer};
 use crate::geometry::Frame;
 use crate::mesh::{Patch, PatchMesh, Side};
@@ -15,6 +16,8 @@ pub struct RowComputer {
     rays: RayScene,
     sampler: Sampler,
     visibility: bool,
+    /// Without occlusion, where nothing lies behind anything.
+    convex: Option<ConvexRows>,
     /// One patch of each lamp's regions, to aim shadow rays at.
     lamps: Vec<u32>,
 }
@@ -55,6 +58,7 @@ const SEVERAL_COARSER: f64 = 0.67;
 pub struct RowScratch {
     lines: LineSampler,
     hemicube: HemicubeSampler,
+    convex: ConvexScratch,
     row: RowBuffer,
 }
 
@@ -86,6 +90,7 @@ impl RowComputer {
         Self {
             occluders: Occluders::new(&mesh),
             rays: RayScene::new(&mesh),
+            convex: if visibility { None } else { ConvexRows::new(&mesh) },
             mesh,
             sampler,
             visibility,
@@ -121,6 +126,7 @@ impl RowComputer {
         RowScratch {
             lines: LineSampler::default(),
             hemicube: HemicubeSampler::default(),
+            convex: ConvexScratch::default(),
             row: RowBuffer::new(self.mesh.patches.len()),
         }
     }
@@ -133,8 +139,7 @@ impl RowComputer {
             return Row::default();
         }
         if !self.visibility {
-            self.gather_unoccluded(p.centre, p.normal, scratch);
-            return scratch.row.take();
+            return self.unoccluded_row(patch, scratch);
         }
         let frame = self.frame(patch);
         let purpose = if p.luminaire.is_some() { Purpose::Lamp } else { Purpose::Centre };
@@ -150,6 +155,13 @@ impl RowComputer {
         }
         scratch.row.set_weight(1.0);
         Row { spread: true, ..scratch.row.take() }
+    }
+
+    /// The row of a patch as if nothing hid anything: closed forms from its centre.
+    pub fn unoccluded_row(&self, patch: u32, scratch: &mut RowScratch) -> Row {
+        let p = &self.mesh.patches[patch as usize];
+        self.gather_unoccluded(p.centre, p.normal, scratch);
+        scratch.row.take()
     }
 
     /// Whether some lamp is seen in part from the centre, or from some corners and not from others.
@@ -277,6 +289,11 @@ impl RowComputer {
 
     fn gather_unoccluded(&self, point: DVec3, normal: DVec3, scratch: &mut RowScratch) {
         let contact = self.occluders.contact();
+        if let Some(convex) = &self.convex
+            && convex.gather(point, normal, contact, &mut scratch.convex, &mut scratch.row)
+        {
+            return;
+        }
         for (index, patch) in self.mesh.patches.iter().enumerate() {
             if patch.normal.dot(point - patch.centre) > contact {
                 let value = self.unoccluded(point, normal, index as u32);

@@ -1,5 +1,6 @@
 //! One solve from a scene to its light, step by step; the worker and the command line share it.
 
+use super::effect_costs;
 use crate::effects::{self, Effect, EffectChoices, EffectPlan};
 use crate::form_factors::{AssembleReport, FormFactors, Method, Row, RowComputer};
 use crate::mesh::{self, MeshSettings, PatchMesh, PatchTarget};
@@ -437,10 +438,11 @@ pub fn solve(
     let (rows, start) = run.rows(&prepared, &system)?;
     let (form_factors, assembled) = run.assemble(&prepared, rows)?;
     let (bases, sweeps) = run.sweeps(&prepared, &form_factors, &system, Some(&start), settings.tolerance)?;
+    let plan = Arc::new(effect_costs::measured(&prepared, system.lamps, &run.timings));
     Ok(Solved {
         scene: prepared.scene,
         mesh: prepared.mesh,
-        plan: prepared.plan,
+        plan,
         computer: prepared.computer,
         form_factors: Arc::new(form_factors),
         assembled,

@@ -1,3 +1,4 @@
+use super::effect_costs;
 use super::pipeline::{
     Control, PipelineError, Prepared, Progress, Run, SolveSettings, Solved, Stage, Timings,
     patch_reflectance, prepare, system,
@@ -338,6 +339,10 @@ impl Worker<'_> {
         let (bases, sweeps) =
             self.with_run(|run| run.sweeps(&prepared, &form_factors, &system, start.as_deref(), tolerance))?;
         todo.sweeps = sweeps.len();
+        if todo.rows > 0 {
+            let plan = effect_costs::measured(&prepared, system.lamps, &self.snapshot.timings);
+            self.snapshot.plan = Some(Arc::new(plan));
+        }
         let bases = Arc::new(bases);
         self.state.bases = Some(bases.clone());
         self.snapshot.bases = Some(bases);

@@ -7,6 +7,11 @@ use rayon::prelude::*;
 /// Columns handled together: the rows are read once for all of them.
 const LANES: usize = 4;
 
+/// How often a sweep reads the rows for so many columns.
+pub fn columns_read(columns: usize) -> usize {
+    columns.div_ceil(LANES)
+}
+
 /// Iterates B = E + rho F B for all columns from any start.
 ///
 /// Groups of columns are independent of each other and run in parallel, each strictly in the order

@@ -11,7 +11,7 @@ mod shooter;
 mod system;
 
 pub use bases::{LightBases, PatchLight, patch_emission};
-pub use gauss_seidel::GaussSeidel;
+pub use gauss_seidel::{GaussSeidel, columns_read};
 pub use shooter::Shooter;
 pub use system::System;
 

@@ -86,8 +86,15 @@ pub(in crate::ui) fn show(ui: &mut egui::Ui, model: &Model<'_>, out: &mut Comman
         ui.collapsing("Effects of this scene", |ui| {
             for decision in &plan.decisions {
                 let on = plan.is_on(decision.effect);
-                let why = format!("{}\n{}\n{}", decision.reason, decision.evidence, decision.predicted_cost);
-                theme::row(ui, decision.effect.name(), if on { "on" } else { "off" }).on_hover_text(why);
+                let mut why =
+                    format!("{}\n{}\n{}", decision.reason, decision.evidence, decision.predicted_cost);
+                let mut state = if on { "on" } else { "off" }.to_owned();
+                if let Some(cost) = decision.measured.filter(|_| on) {
+                    let seconds = units::digits(cost.as_secs_f64());
+                    why += &format!("\nit took {seconds} s of this solve");
+                    state += &format!(", {seconds} s");
+                }
+                theme::row(ui, decision.effect.name(), state).on_hover_text(why);
             }
         });
     }

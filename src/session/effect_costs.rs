@@ -1,0 +1,57 @@
+//! What the effects of a solved scene cost, from its own timings.
+
+use super::{Prepared, Timings};
+use crate::effects::{Effect, EffectPlan};
+use crate::mesh::Side;
+use crate::solver::columns_read;
+use std::time::{Duration, Instant};
+
+/// Rows that are timed with and without occlusion.
+const PROBES: usize = 12;
+
+/// The plan with what each effect that is on took over leaving it out, seconds of the solve that
+/// `timings` tells of:
+///
+/// - visibility: the rows' time, less the share of it that closed forms alone take, from a few rows;
+/// - colour bands: the sweeps' time, less that of the passes over the rows that one band needs;
+/// - two-sided surfaces: the share of backs in the time of rows and sweeps.
+///
+/// Textures and smooth surfaces take nothing from a solve: one is read while meshing, one at display.
+pub(super) fn measured(prepared: &Prepared, lamps: usize, timings: &Timings) -> EffectPlan {
+    let mut plan = (*prepared.plan).clone();
+    let patches = prepared.mesh.patches.len().max(1);
+    for effect in Effect::ALL.into_iter().filter(|&e| prepared.plan.is_on(e)) {
+        let seconds = match effect {
+            Effect::Visibility => timings.rows * occluded_share(prepared),
+            Effect::ColourBands => {
+                timings.sweeps * (1.0 - columns_read(lamps) as f64 / columns_read(3 * lamps).max(1) as f64)
+            }
+            Effect::TwoSided => {
+                let backs = prepared.mesh.patches.iter().filter(|p| p.side == Side::Back).count();
+                (timings.rows + timings.sweeps) * backs as f64 / patches as f64
+            }
+            Effect::Textures | Effect::SmoothSurfaces => 0.0,
+        };
+        if let Some(decision) = plan.decisions.iter_mut().find(|d| d.effect == effect) {
+            decision.measured = Some(Duration::from_secs_f64(seconds.max(0.0)));
+        }
+    }
+    plan
+}
+
+/// The share of a row's time that finding what hides what takes, 0 to 1.
+fn occluded_share(prepared: &Prepared) -> f64 {
+    let (computer, n) = (&prepared.computer, prepared.mesh.patches.len());
+    let mut scratch = computer.scratch();
+    let [mut with, mut without] = [0.0; 2];
+    for k in 0..PROBES.min(n) {
+        let patch = (k * n / PROBES.min(n)) as u32;
+        let clock = Instant::now();
+        drop(computer.row(patch, &mut scratch));
+        with += clock.elapsed().as_secs_f64();
+        let clock = Instant::now();
+        drop(computer.unoccluded_row(patch, &mut scratch));
+        without += clock.elapsed().as_secs_f64();
+    }
+    if with > without { 1.0 - without / with } else { 0.0 }
+}
