@@ -7,18 +7,22 @@
 pub mod closed_form;
 mod culling;
 mod hemicube;
+mod item_buffer;
 mod lines;
 mod matrix;
 mod near;
 mod occluders;
+mod quality;
 mod rays;
 mod row;
 mod rows;
 
 pub use hemicube::{Hemicube, HemicubeSampler};
+pub use item_buffer::{ItemBuffer, ItemCell};
 pub use lines::{Fan, LineSampler};
 pub use matrix::{AssembleReport, FormFactors};
 pub use occluders::Occluders;
+pub use quality::RowQuality;
 pub use rays::RayScene;
 pub use row::{Row, RowBuffer};
 pub use rows::{RowComputer, RowScratch};

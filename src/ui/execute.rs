@@ -7,7 +7,7 @@ use super::files::{SaveJob, free_name, pictures_folder};
 use super::overlay::Notice;
 use super::panels::Commands;
 use super::picture::shading_of;
-use super::state::Edits;
+use super::state::{DisplaySettings, Edits, Quantity};
 use super::{camera_control, units};
 use crate::display::Exposure;
 use crate::geometry::Ray;
@@ -17,6 +17,9 @@ use glam::DVec3;
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::Instant;
+
+/// Patches looked into before that one can go back to.
+const PICKS_KEPT: usize = 64;
 
 impl App {
     /// Carries out and forgets all of `commands`.
@@ -92,9 +95,17 @@ impl App {
             Command::Stop => self.worker.stop(),
             Command::Solve(settings) => self.worker.set_settings(settings),
             Command::Inspect(patch) => {
-                self.inspected = patch;
+                self.look_into(patch);
                 self.inspect_fresh = patch.is_some();
             }
+            Command::PickNext(patch) => self.look_into(Some(patch)),
+            Command::PickBack => {
+                if let Some(before) = self.past_picks.pop() {
+                    self.inspected = Some(before);
+                }
+            }
+            Command::ToggleRow => self.toggle_row(ctx.input(|i| i.time)),
+            Command::ToggleTable => self.state.table_open = !self.state.table_open,
             Command::JumpToPatch(patch) => self.jump_to(patch),
             Command::TogglePanels => {
                 let open = self.state.left_open || self.state.right_open;
@@ -197,6 +208,59 @@ impl App {
         }
     }
 
+    /// Looks into another patch, or into none; the one before can be gone back to.
+    fn look_into(&mut self, patch: Option<u32>) {
+        if patch == self.inspected {
+            return;
+        }
+        match (self.inspected, patch) {
+            (Some(before), Some(_)) => {
+                if self.past_picks.len() == PICKS_KEPT {
+                    self.past_picks.remove(0);
+                }
+                self.past_picks.push(before);
+            }
+            (_, None) => {
+                self.past_picks.clear();
+                self.leave_row();
+            }
+            (None, Some(_)) => {}
+        }
+        self.inspected = patch;
+    }
+
+    /// Puts the row of the patch looked into onto the scene, or takes it off again.
+    fn toggle_row(&mut self, time: f64) {
+        if self.edits.display.quantity.is_row() {
+            self.leave_row();
+        } else if self.inspected.is_some() {
+            self.before_row = Some(self.edits.display);
+            let display = self.edits.display.showing(Quantity::RowDensity);
+            self.apply(EditKey::Display, Edits { display, ..self.edits.clone() });
+            self.history.seal();
+        } else {
+            let text = "Ctrl-click a surface first: its row of form factors is what R shows".to_owned();
+            self.notice = Some(Notice { text, is_error: false, since: time });
+        }
+    }
+
+    /// Shows again what was shown before a row was.
+    fn leave_row(&mut self) {
+        let before = self.before_row.take();
+        let now = self.edits.display;
+        if !now.quantity.is_row() {
+            return;
+        }
+        let display = match before {
+            Some(DisplaySettings { quantity, range, logarithmic, .. }) => {
+                DisplaySettings { quantity, range, logarithmic, ..now }
+            }
+            None => now.showing(Quantity::Picture),
+        };
+        self.apply(EditKey::Display, Edits { display, ..self.edits.clone() });
+        self.history.seal();
+    }
+
     fn describe_lamps(&self, before: &Lighting) -> String {
         let changed: Vec<usize> = (0..self.edits.lighting.lamps.len())
             .filter(|&k| before.lamps.get(k) != self.edits.lighting.lamps.get(k))
@@ -242,7 +306,8 @@ impl App {
     pub(super) fn adopt_scene(&mut self) {
         let Some(prepared) = self.picture.prepared.clone() else { return };
         self.stale.mesh = true;
-        self.inspected = None;
+        self.look_into(None);
+        self.microscope.forget();
         self.seen = Default::default();
         let scene = Arc::clone(&prepared.scene);
         if self.scene_shown.as_ref().is_some_and(|shown| Arc::ptr_eq(shown, &scene)) {
@@ -308,11 +373,9 @@ impl App {
     /// Glides to where a patch is seen from nearly straight ahead, nothing being in between.
     fn jump_to(&mut self, patch: u32) {
         let Some(prepared) = self.picture.prepared.clone() else { return };
-        let (Some(target), Some(camera)) = (prepared.mesh.patches.get(patch as usize), &mut self.camera)
-        else {
-            return;
-        };
-        self.inspected = Some(patch);
+        let Some(target) = prepared.mesh.patches.get(patch as usize) else { return };
+        self.look_into(Some(patch));
+        let Some(camera) = &mut self.camera else { return };
         // A little off the normal: looking straight down has no heading.
         let aside =
             (camera.pose().eye - target.centre).reject_from_normalized(target.normal).normalize_or(DVec3::X);

@@ -105,6 +105,9 @@ pub(super) fn commands(ctx: &Context, model: &Model<'_>, help_open: bool, out: &
         (Key::OpenBracket, Command::StepView(-1)),
         (Key::CloseBracket, Command::StepView(1)),
         (Key::P, Command::Pause(!model.snapshot.paused)),
+        (Key::R, Command::ToggleRow),
+        (Key::J, Command::ToggleTable),
+        (Key::Backspace, Command::PickBack),
         (
             Key::F,
             Command::SetMotion(if model.state.motion == Motion::Walk { Motion::Fly } else { Motion::Walk }),
@@ -143,8 +146,7 @@ fn display_keys(pressed: &impl Fn(Key) -> bool, model: &Model<'_>, out: &mut Com
     }
     if pressed(Key::L) {
         let lux = now.quantity == Quantity::Illuminance;
-        new.quantity = if lux { Quantity::Picture } else { Quantity::Illuminance };
-        new.range = None;
+        new = new.showing(if lux { Quantity::Picture } else { Quantity::Illuminance });
     }
     let brighter = f64::from(u8::from(pressed(Key::Plus) || pressed(Key::Equals)))
         - f64::from(u8::from(pressed(Key::Minus)));

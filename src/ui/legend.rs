@@ -20,7 +20,7 @@ pub(super) fn show(ui: &egui::Ui, view: Rect, quantity: Quantity, scale: &FalseC
     let painter = ui.painter_at(view);
     painter.rect_filled(ground, 5.0, Color32::from_black_alpha(178));
     let title = match quantity.unit() {
-        "" => quantity.name().to_owned(),
+        "" => short_name(quantity).to_owned(),
         unit => format!("{} [{unit}]", short_name(quantity)),
     };
     let font = FontId::proportional(11.0);
@@ -57,6 +57,12 @@ fn short_name(quantity: Quantity) -> &'static str {
     match quantity {
         Quantity::Difference => "Now - A",
         Quantity::Area => "Area",
+        Quantity::RowDensity => "F / area",
+        Quantity::RowFactor => "Form factor F",
+        Quantity::RowLight => "Light",
+        Quantity::Escape => "Escapes",
+        Quantity::Reciprocity => "Reciprocity",
+        Quantity::Unshot => "Unshot",
         other => other.name(),
     }
 }

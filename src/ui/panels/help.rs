@@ -40,6 +40,9 @@ const KEYS: [(&str, &[(&str, &str)]); 4] = [
             ("G", "flat or smooth shading"),
             ("M", "patch borders"),
             ("Ctrl-click", "look into a patch"),
+            ("R", "its row of form factors on the scene"),
+            ("Backspace", "back to the patch before"),
+            ("J", "table of patches, worst first"),
         ],
     ),
     (
