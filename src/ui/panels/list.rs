@@ -1,6 +1,7 @@
 //! Lines of a list that are clicked as a whole, with cells that stand in columns.
 
 use crate::ui::theme;
+use egui::text::{LayoutJob, TextWrapping};
 use egui::{Align, Align2, Color32, FontId, Rect, Response, Sense, Ui, Vec2};
 
 /// Height of a line, points.
@@ -10,7 +11,7 @@ pub(super) const LINE: f32 = 18.0;
 pub(super) struct Cell {
     /// Its width, points.
     pub(super) width: f32,
-    /// The text; what does not fit is cut off.
+    /// The text; what does not fit ends in dots.
     pub(super) text: String,
     /// To which edge it keeps.
     pub(super) align: Align,
@@ -58,18 +59,17 @@ fn paint_cells(ui: &Ui, rect: Rect, cells: &[Cell]) {
     let mut left = rect.left();
     for cell in cells {
         let inner = Rect::from_x_y_ranges(left + 2.0..=left + cell.width - 4.0, rect.y_range());
+        // What is too long ends in dots.
         let font = FontId::proportional(12.0);
+        let mut job = LayoutJob::simple_singleline(cell.text.clone(), font, cell.colour);
+        job.wrap = TextWrapping::truncate_at_width(inner.width());
+        let galley = ui.painter().layout_job(job);
         let (anchor, at) = match cell.align {
             Align::Max => (Align2::RIGHT_CENTER, inner.right_center()),
             _ => (Align2::LEFT_CENTER, inner.left_center()),
         };
-        ui.painter().with_clip_rect(inner.intersect(ui.clip_rect())).text(
-            at,
-            anchor,
-            &cell.text,
-            font,
-            cell.colour,
-        );
+        let corner = anchor.anchor_size(at, galley.size()).min;
+        ui.painter().galley(corner, galley, cell.colour);
         left += cell.width;
     }
 }

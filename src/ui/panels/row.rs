@@ -86,14 +86,18 @@ pub(super) fn largest(ui: &mut egui::Ui, model: &Model<'_>, inspection: &Inspect
 /// The patches around it.
 pub(super) fn neighbours(ui: &mut egui::Ui, model: &Model<'_>, inspection: &Inspection, out: &mut Commands) {
     if inspection.neighbours.is_empty() {
-        empty(ui, "None: its surface is one patch.");
+        empty(ui, "None: it touches no other patch.");
         return;
     }
     heads(ui, &["lx", "F"]);
     for &(patch, contact, f) in &inspection.neighbours {
         let h = model.light.irradiance.get(patch as usize).copied().unwrap_or_default();
         let cells = [units::digits(illuminance(h.map(f64::from))), units::digits(f)];
-        let touches = if contact == Contact::Edge { "edge" } else { "corner" };
+        let touches = match contact {
+            Contact::Vertex => "corner",
+            Contact::Edge => "edge",
+            Contact::Crease => "over crease",
+        };
         entry(ui, model, patch, touches, &cells, out);
     }
 }
