@@ -178,6 +178,12 @@ impl App {
         self.inspected
     }
 
+    /// The numbers that false colours show, one a patch; [`crate::display::NO_VALUE`] where there is
+    /// none. Empty while the picture is shown.
+    pub fn shown_values(&self) -> &[f32] {
+        &self.shown_values
+    }
+
     /// Where the camera stands, once a scene is shown.
     pub fn camera(&self) -> Option<crate::render::Camera> {
         let control = self.camera.as_ref()?;

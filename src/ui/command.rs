@@ -53,8 +53,8 @@ pub(super) enum Command {
     Reload,
     /// Ask for a file name, then save.
     Save(SaveKind),
-    /// Save a picture under a free name in the pictures folder, without asking.
-    QuickScreenshot,
+    /// Save under a free name without asking: pictures in their folder, the rest beside the scene.
+    QuickSave(SaveKind),
     /// Put a lamp into this state.
     SetLamp(usize, LampState),
     /// Switch a lamp over.

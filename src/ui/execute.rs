@@ -61,9 +61,7 @@ impl App {
             Command::Reload => self.reload(),
             Command::Save(SaveKind::Screenshot) if self.viewport.is_none() => {}
             Command::Save(kind) => self.files.save_dialog(kind, &self.suggested_path(kind)),
-            Command::QuickScreenshot => {
-                self.save_to(SaveKind::Screenshot, self.suggested_path(SaveKind::Screenshot))
-            }
+            Command::QuickSave(kind) => self.save_to(kind, self.suggested_path(kind)),
             Command::StoreComparison => self.picture.store_comparison(),
             Command::GoToView(index) => self.go_to(index),
             Command::StepView(step) => self.step_view(step),
@@ -104,7 +102,7 @@ impl App {
                     self.inspected = Some(before);
                 }
             }
-            Command::ToggleRow => self.toggle_row(ctx.input(|i| i.time)),
+            Command::ToggleRow => self.toggle_row(ctx.input(|i| i.pointer.latest_pos())),
             Command::ToggleTable => self.state.table_open = !self.state.table_open,
             Command::JumpToPatch(patch) => self.jump_to(patch),
             Command::TogglePanels => {
@@ -229,18 +227,23 @@ impl App {
         self.inspected = patch;
     }
 
-    /// Puts the row of the patch looked into onto the scene, or takes it off again.
-    fn toggle_row(&mut self, time: f64) {
+    /// Puts the row of the patch looked into onto the scene, or takes it off again. Where none is looked
+    /// into, it becomes the one under the cursor.
+    fn toggle_row(&mut self, cursor: Option<egui::Pos2>) {
         if self.edits.display.quantity.is_row() {
             self.leave_row();
-        } else if self.inspected.is_some() {
+            return;
+        }
+        if self.inspected.is_none() {
+            let inside = cursor.filter(|&at| self.view_rect.contains(at));
+            self.inspected = self.pick_at_position(inside).and_then(|pick| pick.patch);
+            self.inspect_fresh = self.inspected.is_some();
+        }
+        if self.inspected.is_some() {
             self.before_row = Some(self.edits.display);
             let display = self.edits.display.showing(Quantity::RowDensity);
             self.apply(EditKey::Display, Edits { display, ..self.edits.clone() });
             self.history.seal();
-        } else {
-            let text = "Ctrl-click a surface first: its row of form factors is what R shows".to_owned();
-            self.notice = Some(Notice { text, is_error: false, since: time });
         }
     }
 

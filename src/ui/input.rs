@@ -1,7 +1,7 @@
 //! Keys and the mouse: what they ask for.
 
 use super::camera_control::{Motion, Wish};
-use super::command::Command;
+use super::command::{Command, SaveKind};
 use super::panels::{Commands, Model};
 use super::state::{Quantity, ShadingMode};
 use egui::{Context, Key, Modifiers};
@@ -86,7 +86,8 @@ pub(super) fn commands(ctx: &Context, model: &Model<'_>, help_open: bool, out: &
         (Modifiers::COMMAND, Key::Q, Command::Quit),
         (Modifiers::NONE, Key::F1, Command::ToggleHelp),
         (Modifiers::NONE, Key::F5, Command::Reload),
-        (Modifiers::NONE, Key::F12, Command::QuickScreenshot),
+        (Modifiers::SHIFT, Key::F12, Command::QuickSave(SaveKind::Hdr)),
+        (Modifiers::NONE, Key::F12, Command::QuickSave(SaveKind::Screenshot)),
     ] {
         if shortcut(modifiers, key) {
             out.push(command);

@@ -285,6 +285,9 @@ fn white_gains(flux: [f64; 3]) -> [f32; 3] {
     gains.map(|g| (g * mean / after) as f32)
 }
 
+/// Least value that the scale of a row tells apart, of its largest.
+const ROW_DECADES: f64 = 1e-3;
+
 /// The scale of a quantity: its pinned range, or one that fits.
 pub(super) fn scale(display: &DisplaySettings, values: &[f32]) -> FalseColour {
     let map = if display.quantity.is_signed() { ColourMap::BlueRed } else { ColourMap::Viridis };
@@ -293,6 +296,10 @@ pub(super) fn scale(display: &DisplaySettings, values: &[f32]) -> FalseColour {
         Quantity::Sides => FalseColour { map, range: [-1.0, 1.0], logarithmic: false },
         _ => FalseColour::fitted(map, display.logarithmic, values),
     };
+    if display.quantity.is_row() && scale.logarithmic {
+        // Slivers of what is hardly seen must not take the colours of what is.
+        scale.range[0] = scale.range[0].max(ROW_DECADES * scale.range[1]);
+    }
     if let Some(range) = display.range {
         scale.range = range;
     }

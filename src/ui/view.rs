@@ -200,7 +200,8 @@ impl App {
         self.pick_at_position(response.hover_pos())
     }
 
-    fn pick_at_position(&self, position: Option<egui::Pos2>) -> Option<Pick> {
+    /// What lies under a place of the window.
+    pub(super) fn pick_at_position(&self, position: Option<egui::Pos2>) -> Option<Pick> {
         let (prepared, camera): (_, Camera) = (self.picture.prepared.as_ref()?, self.camera()?);
         let at = (position? - self.view_rect.min) / self.view_rect.size();
         let size = self.view_size_px;

@@ -81,7 +81,11 @@ fn file(ui: &mut egui::Ui, model: &Model<'_>, out: &mut Commands) {
     ui.separator();
     let lit = !model.light.radiosity.is_empty();
     for kind in [SaveKind::Screenshot, SaveKind::Hdr, SaveKind::PatchTable, SaveKind::LitMesh] {
-        let key = if kind == SaveKind::Screenshot { "F12" } else { "" };
+        let key = match kind {
+            SaveKind::Screenshot => "F12",
+            SaveKind::Hdr => "Shift-F12",
+            _ => "",
+        };
         item(ui, out, kind.title(), key, lit, Command::Save(kind));
     }
     let has_file = model.scene.is_some_and(|scene| matches!(scene.source, SceneSource::File(_)));

@@ -106,7 +106,7 @@ pub(in crate::ui) fn show(ui: &mut egui::Ui, model: &Model<'_>, out: &mut Comman
     ui.horizontal(|ui| {
         ui.label(RichText::new("PATCHES").size(11.5).color(theme::TEXT));
         let which = if sorting.falling { "largest" } else { "smallest" };
-        let text = format!("{which} {} of {} first", LINES.min(count), units::count(count));
+        let text = format!("{} of {}, {which} first", LINES.min(count), units::count(count));
         ui.label(RichText::new(text).small().color(theme::TEXT_WEAK));
         ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
             if ui.small_button("Close").on_hover_text("Hide this table (J)").clicked() {
