@@ -144,8 +144,10 @@ impl Maps {
         if let Some(form_factors) = &wanted.form_factors {
             for i in 0..form_factors.len() {
                 let (sum, quality) = (form_factors.row_sum(i), form_factors.quality(i));
-                maps.escape.push((100.0 * (1.0 - sum)) as f32);
-                maps.closure.push((100.0 * (f64::from(quality.sampled_sum) - sum)) as f32);
+                // What single precision rounds off is no defect.
+                let percent = |share: f64| if share.abs() < 2e-7 { 0.0 } else { (100.0 * share) as f32 };
+                maps.escape.push(percent(1.0 - sum));
+                maps.closure.push(percent(f64::from(quality.sampled_sum) - sum));
                 maps.reciprocity.push(100.0 * quality.worst_reciprocity);
             }
             if !wanted.light.radiosity.is_empty() {

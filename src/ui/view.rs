@@ -244,8 +244,13 @@ impl App {
         out: &mut Commands,
     ) {
         let model = self.model();
-        if let Some(scale) = &self.scale {
-            legend::show(ui, rect, self.edits.display.quantity, scale);
+        let quantity = self.edits.display.quantity;
+        match &self.scale {
+            Some(scale) => legend::show(ui, rect, quantity, scale),
+            None if quantity.is_scalar() && self.picture.prepared.is_some() => {
+                legend::pending(ui, rect, quantity);
+            }
+            None => {}
         }
         if self.edits.display.readout
             && response.hovered()
