@@ -32,20 +32,28 @@ fn the_quality_of_a_row_is_that_of_its_samples() {
     for (i, row) in sampled.iter().enumerate() {
         let quality = made.form_factors.quality(i);
         assert!((f64::from(quality.sampled_sum) - row.sum()).abs() < 1e-6);
-        let (mut gap, mut mean, mut worst) = (0.0, 0.0, (0.0, NO_PATCH));
-        for (j, back) in sampled.iter().enumerate() {
-            let (out, back) = (area(i) * row.get(j as u32), area(j) * back.get(i as u32));
-            let pair = 0.5 * (out + back);
-            gap += (out - back).abs();
-            mean += pair;
-            if pair > 1e-3 * area(i) * row.sum() && (out - back).abs() / pair > worst.0 {
-                worst = ((out - back).abs() / pair, j as u32);
-            }
+        let pairs: Vec<(f64, f64)> = (0..sampled.len())
+            .map(|j| {
+                let (out, back) = (area(i) * row.get(j as u32), area(j) * sampled[j].get(i as u32));
+                ((out - back).abs(), 0.5 * (out + back))
+            })
+            .collect();
+        let gap: f64 = pairs.iter().map(|p| p.0).sum();
+        let mean: f64 = pairs.iter().map(|p| p.1).sum();
+        let near = |what: &str, value: f32, expected: f64| {
+            assert!((f64::from(value) - expected).abs() < 1e-5, "{what} of {i}: {value} and {expected}");
+        };
+        near("mean", quality.mean_reciprocity, gap / mean);
+        let worst = pairs.iter().map(|p| p.0).fold(0.0, f64::max);
+        near("worst", quality.worst_reciprocity, worst / mean);
+        if quality.worst_partner == NO_PATCH {
+            assert!(worst == 0.0);
+            continue;
         }
-        assert!((f64::from(quality.mean_reciprocity) - gap / mean).abs() < 1e-5, "{i}");
-        assert!((f64::from(quality.worst_reciprocity) - worst.0).abs() < 1e-5, "{i}: {quality:?} {worst:?}");
-        assert!(quality.worst_partner == worst.1, "{i}: {quality:?} {worst:?}");
-        compared += usize::from(worst.0 > 0.0);
+        let partner = pairs[quality.worst_partner as usize];
+        near("partner", quality.worst_pair_gap, partner.0 / partner.1);
+        assert!((partner.0 / worst - 1.0).abs() < 1e-9);
+        compared += 1;
     }
     assert!(compared > 300, "samples are never quite reciprocal: {compared}");
 }

@@ -152,7 +152,7 @@ fn label(value: f64) -> String {
     }
     let digits = 2 - value.abs().log10().floor() as i32;
     if !(-4..=6).contains(&digits) {
-        return format!("{value:.0e}");
+        return format!("{value:.1e}").replace(".0e", "e");
     }
     let text = format!("{value:.0$}", digits.max(0) as usize);
     if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.').to_owned() } else { text }
@@ -207,6 +207,7 @@ mod tests {
     fn ticks_are_round_and_few() {
         assert_eq!(labels(linear([0.0, 500.0]), 6), ["0", "100", "200", "300", "400", "500"]);
         assert_eq!(labels(linear([-0.05, 0.05]), 5), ["-0.04", "-0.02", "0", "0.02", "0.04"]);
+        assert_eq!(labels(linear([0.0, 2e-6]), 5), ["0", "5e-7", "1e-6", "1.5e-6", "2e-6"]);
         let log = FalseColour { logarithmic: true, ..linear([1.0, 1000.0]) };
         assert_eq!(labels(log, 5), ["1", "10", "100", "1000"]);
         assert_eq!(labels(FalseColour { range: [10.0, 200.0], ..log }, 6), ["10", "20", "50", "100", "200"]);

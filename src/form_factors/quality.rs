@@ -2,43 +2,50 @@
 
 use crate::mesh::NO_PATCH;
 
-/// Pairs with less than this share of a row's exchange say little: a few lines meet them or none do.
-const WEIGHTY: f64 = 1e-3;
-
 /// How far a row as it was sampled is from what physics asks of it.
+///
+/// The two samples A_i F_ij and A_j F_ji of a pair should agree. A pair by itself says little: many
+/// small ones are met by one of the two alone. So gaps are weighed by what the row exchanges in all.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RowQuality {
     /// Sum of the form factors as sampled: 1 where the patch sees no opening.
     pub sampled_sum: f32,
-    /// Mean over the row's pairs of |A_i F_ij - A_j F_ji| relative to the mean of the two, each pair
-    /// weighing as much as it exchanges; 0 to 2.
+    /// Sum over the row's pairs of |A_i F_ij - A_j F_ji| over the sum of their means; 0 to 2.
     pub mean_reciprocity: f32,
-    /// The same of the worst pair among those with a thousandth of the row's exchange or more; 0 to 2.
+    /// The largest |A_i F_ij - A_j F_ji| of the row over that sum of means: the share of the patch's
+    /// exchange that is in dispute with one other; 0 to 2.
     pub worst_reciprocity: f32,
-    /// The other patch of that pair; [`NO_PATCH`] where no pair is worse than another.
+    /// The gap of that pair over its own mean; 0 to 2, where 2 says that one of the two sees nothing.
+    pub worst_pair_gap: f32,
+    /// The other patch of that pair; [`NO_PATCH`] where all pairs agree.
     pub worst_partner: u32,
 }
 
 impl Default for RowQuality {
     fn default() -> Self {
-        Self { sampled_sum: 0.0, mean_reciprocity: 0.0, worst_reciprocity: 0.0, worst_partner: NO_PATCH }
+        Self {
+            sampled_sum: 0.0,
+            mean_reciprocity: 0.0,
+            worst_reciprocity: 0.0,
+            worst_pair_gap: 0.0,
+            worst_partner: NO_PATCH,
+        }
     }
 }
 
 /// Compares the two samples of each pair of one row.
 pub(super) struct PairGaps {
-    quality: RowQuality,
-    /// Least mean exchange of a pair that counts for the worst, m².
-    weighty: f64,
+    sampled_sum: f64,
     gap: f64,
     mean: f64,
+    /// The largest gap, the mean of that pair, and the other patch.
+    worst: (f64, f64, u32),
 }
 
 impl PairGaps {
-    /// For a row whose samples sum to `sum`, of a patch of `area` m².
-    pub(super) fn new(sum: f64, area: f64) -> Self {
-        let quality = RowQuality { sampled_sum: sum as f32, ..RowQuality::default() };
-        Self { quality, weighty: WEIGHTY * sum * area, gap: 0.0, mean: 0.0 }
+    /// For a row whose samples sum to `sampled_sum`.
+    pub(super) fn new(sampled_sum: f64) -> Self {
+        Self { sampled_sum, gap: 0.0, mean: 0.0, worst: (0.0, 0.0, NO_PATCH) }
     }
 
     /// Takes a pair's samples: `out` = A_i F_ij of this row and `back` = A_j F_ji of row `j`, m².
@@ -47,21 +54,23 @@ impl PairGaps {
         let (gap, mean) = ((out - back).abs(), 0.5 * (out + back));
         self.gap += gap;
         self.mean += mean;
-        if mean > 0.0 && mean >= self.weighty {
-            let relative = (gap / mean) as f32;
-            if relative > self.quality.worst_reciprocity {
-                self.quality.worst_reciprocity = relative;
-                self.quality.worst_partner = j;
-            }
+        if gap > self.worst.0 {
+            self.worst = (gap, mean, j);
         }
     }
 
     /// Sums over the pairs of |out - back| and of their mean, m², and the row's quality.
-    pub(super) fn finish(mut self) -> (f64, f64, RowQuality) {
-        if self.mean > 0.0 {
-            self.quality.mean_reciprocity = (self.gap / self.mean) as f32;
-        }
-        (self.gap, self.mean, self.quality)
+    pub(super) fn finish(self) -> (f64, f64, RowQuality) {
+        let over = |value: f64, of: f64| if of > 0.0 { (value / of) as f32 } else { 0.0 };
+        let (worst, pair, partner) = self.worst;
+        let quality = RowQuality {
+            sampled_sum: self.sampled_sum as f32,
+            mean_reciprocity: over(self.gap, self.mean),
+            worst_reciprocity: over(worst, self.mean),
+            worst_pair_gap: over(worst, pair),
+            worst_partner: partner,
+        };
+        (self.gap, self.mean, quality)
     }
 }
 
@@ -71,7 +80,7 @@ mod tests {
 
     #[test]
     fn a_symmetric_pair_has_no_gap() {
-        let mut pairs = PairGaps::new(0.5, 2.0);
+        let mut pairs = PairGaps::new(0.5);
         pairs.add(3, 0.25, 0.25);
         pairs.add(7, 0.75, 0.75);
         let (gap, mean, quality) = pairs.finish();
@@ -80,16 +89,17 @@ mod tests {
     }
 
     #[test]
-    fn the_worst_pair_is_found_among_those_that_weigh() {
-        let mut pairs = PairGaps::new(1.0, 1.0);
+    fn the_worst_pair_is_the_one_that_most_of_the_row_depends_on() {
+        let mut pairs = PairGaps::new(1.0);
         pairs.add(1, 0.6, 0.5);
-        pairs.add(2, 0.3, 0.2);
+        pairs.add(2, 0.3, 0.1);
         // Met by one of the two alone, but a ten-thousandth of the row.
         pairs.add(5, 1e-4, 0.0);
         let (gap, mean, quality) = pairs.finish();
-        assert!((quality.worst_reciprocity - 0.4).abs() < 1e-6, "0.1 over 0.25: {quality:?}");
+        assert!((gap - 0.3001).abs() < 1e-12 && (mean - 0.75005).abs() < 1e-12, "{gap} {mean}");
         assert_eq!(quality.worst_partner, 2);
-        assert!((f64::from(quality.mean_reciprocity) - gap / mean).abs() < 1e-6);
-        assert!((gap / mean - 0.2001 / 0.80005).abs() < 1e-12, "{gap} {mean}");
+        assert!((quality.worst_reciprocity - 0.2 / 0.75005).abs() < 1e-6, "{quality:?}");
+        assert!((quality.worst_pair_gap - 1.0).abs() < 1e-6, "0.2 over 0.2: {quality:?}");
+        assert!((quality.mean_reciprocity - 0.3001 / 0.75005).abs() < 1e-6, "{quality:?}");
     }
 }

@@ -116,7 +116,7 @@ impl Progress<'_> {
         })
     }
 
-    /// The radiosity that rows to come will pass on, while rows arrive; copies it.
+    /// The radiosity that has not been passed on, while rows arrive; copies it.
     pub fn unshot(&self) -> Option<LightBases> {
         match self.picture? {
             Pictured::Shooter(shooter) => Some(shooter.unshot()),

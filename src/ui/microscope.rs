@@ -128,7 +128,7 @@ pub(super) struct Maps {
     pub(super) escape: Vec<f32>,
     /// The row's sum as sampled less its sum now, %: what balancing changed.
     pub(super) closure: Vec<f32>,
-    /// Worst relative difference of A_i F_ij and A_j F_ji as sampled, %.
+    /// Largest gap between A_i F_ij and A_j F_ji as sampled, over what the patch exchanges, %.
     pub(super) reciprocity: Vec<f32>,
     /// Luminance that one more sweep would add, cd/m².
     pub(super) residual: Vec<f32>,

@@ -54,7 +54,7 @@ pub enum Quantity {
     Escape,
     /// Row sums as sampled less those after balancing, %.
     Closure,
-    /// Worst relative difference of A_i F_ij and A_j F_ji of a patch as sampled, %.
+    /// Largest gap between A_i F_ij and A_j F_ji of a patch as sampled, over what it exchanges, %.
     Reciprocity,
     /// Luminance that one more sweep would add, cd/m².
     Residual,
@@ -148,11 +148,13 @@ impl Quantity {
             Self::Escape => "1 less the sum of a patch's form factors: what leaves through openings",
             Self::Closure => "Row sum as sampled less the sum after balancing: what balancing mended",
             Self::Reciprocity => {
-                "Worst relative difference between the two samples A_i F_ij and A_j F_ji of a pair, among \
-                 pairs with a thousandth of the row or more"
+                "Largest gap between the two samples A_i F_ij and A_j F_ji of a patch's pairs, over what it \
+                 exchanges in all"
             }
             Self::Residual => "E + rho F B - B as luminance: what one more sweep would add",
-            Self::Unshot => "Flux that rows to come will pass on; once they are there, that of the residual",
+            Self::Unshot => {
+                "Flux that has arrived and not been passed on; once all rows are there, that of the residual"
+            }
             Self::Aspect => "Longest extent squared over area: 1 for a square",
             Self::Difference => "Illuminance now less that of the stored state A",
             _ => "",
