@@ -45,7 +45,7 @@ fn the_quality_of_a_row_is_that_of_its_samples() {
         };
         near("mean", quality.mean_reciprocity, gap / mean);
         let worst = pairs.iter().map(|p| p.0).fold(0.0, f64::max);
-        near("worst", quality.worst_reciprocity, worst / mean);
+        near("worst", quality.worst_reciprocity, worst / area(i));
         if quality.worst_partner == NO_PATCH {
             assert!(worst == 0.0);
             continue;

@@ -52,7 +52,9 @@ impl Inspection {
                 (pairs.collect(), row.sum(), None)
             }
         };
-        let row: Vec<(u32, f64)> = row;
+        let mut row: Vec<(u32, f64)> = row;
+        // Pairs that balancing has cut off, for one of the two lies under something.
+        row.retain(|entry| entry.1 > 0.0);
         let own = &mesh.patches[patch as usize];
         let frame = ItemBuffer::upright_frame(own.normal, prepared.scene.up.vector());
         let mut inspection = Self {
@@ -98,7 +100,7 @@ impl Inspection {
     fn heat_map(&self, quantity: Quantity, prepared: &Prepared, light: &PatchLight) -> Vec<f32> {
         let patches = &prepared.mesh.patches;
         let mut values = vec![NO_VALUE; patches.len()];
-        for &(j, f) in self.row.iter().filter(|entry| entry.1 > 0.0) {
+        for &(j, f) in &self.row {
             let (Some(value), Some(patch)) = (values.get_mut(j as usize), patches.get(j as usize)) else {
                 continue;
             };
@@ -124,11 +126,11 @@ enum RowSource {
 /// What every patch has of sampling and solver errors, a value a patch; empty where not known yet.
 #[derive(Default)]
 pub(super) struct Maps {
-    /// 1 less the row's sum: what leaves through openings, %.
+    /// 1 less the row's sum: what leaves through openings, %; [`NO_VALUE`] for patches that see nothing.
     pub(super) escape: Vec<f32>,
     /// The row's sum as sampled less its sum now, %: what balancing changed.
     pub(super) closure: Vec<f32>,
-    /// Largest gap between A_i F_ij and A_j F_ji as sampled, over what the patch exchanges, %.
+    /// Largest gap between A_i F_ij and A_j F_ji as sampled over A_i, %.
     pub(super) reciprocity: Vec<f32>,
     /// Luminance that one more sweep would add, cd/m².
     pub(super) residual: Vec<f32>,
@@ -146,7 +148,8 @@ impl Maps {
                 let (sum, quality) = (form_factors.row_sum(i), form_factors.quality(i));
                 // What single precision rounds off is no defect.
                 let percent = |share: f64| if share.abs() < 2e-7 { 0.0 } else { (100.0 * share) as f32 };
-                maps.escape.push(percent(1.0 - sum));
+                // What lies under something takes no part: nothing escapes it.
+                maps.escape.push(if form_factors.sees(i) { percent(1.0 - sum) } else { NO_VALUE });
                 maps.closure.push(percent(f64::from(quality.sampled_sum) - sum));
                 maps.reciprocity.push(100.0 * quality.worst_reciprocity);
             }

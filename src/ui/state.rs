@@ -54,7 +54,7 @@ pub enum Quantity {
     Escape,
     /// Row sums as sampled less those after balancing, %.
     Closure,
-    /// Largest gap between A_i F_ij and A_j F_ji of a patch as sampled, over what it exchanges, %.
+    /// Largest gap between A_i F_ij and A_j F_ji of a patch as sampled over A_i, %.
     Reciprocity,
     /// Luminance that one more sweep would add, cd/m².
     Residual,
@@ -145,11 +145,13 @@ impl Quantity {
                 "Illuminance that the picked patch has from every other, over that one's area: where its \
                  light comes from. Grey is not seen"
             }
-            Self::Escape => "1 less the sum of a patch's form factors: what leaves through openings",
+            Self::Escape => {
+                "1 less the sum of a patch's form factors: what leaves through openings. Grey sees nothing"
+            }
             Self::Closure => "Row sum as sampled less the sum after balancing: what balancing mended",
             Self::Reciprocity => {
-                "Largest gap between the two samples A_i F_ij and A_j F_ji of a patch's pairs, over what it \
-                 exchanges in all"
+                "Largest gap between the two samples A_i F_ij and A_j F_ji of a patch's pairs over A_i: how far \
+                 one of its form factors is in dispute"
             }
             Self::Residual => "E + rho F B - B as luminance: what one more sweep would add",
             Self::Unshot => {

@@ -43,18 +43,21 @@ pub(super) fn numbers(ui: &mut egui::Ui, model: &Model<'_>, inspection: &Inspect
     };
     let source = if inspection.balanced { "balanced" } else { "as sampled" };
     theme::row(ui, &format!("Row sum, {source}"), format!("{:.6}", inspection.row_sum));
-    theme::row(ui, "Escapes", percent(escapes));
+    theme::row(
+        ui,
+        "Escapes",
+        if inspection.row.is_empty() { "- (sees nothing)".to_owned() } else { percent(escapes) },
+    );
     theme::row(ui, "Patches seen", units::count(inspection.row.len()));
     if let Some(quality) = inspection.quality {
-        theme::row(ui, "Row sum as sampled", format!("{:.6}", quality.sampled_sum));
+        theme::row(ui, "Row sum as sampled", format!("{:.6}", quality.sampled_sum.max(0.0)));
         theme::row(ui, "Reciprocity, all pairs", percent(f64::from(quality.mean_reciprocity))).on_hover_text(
             "Sum of |A_i F_ij - A_j F_ji| as sampled over the sum of their means, before balancing",
         );
-        let share = percent(f64::from(quality.worst_reciprocity));
+        let gap = percent(f64::from(quality.worst_reciprocity));
         let pair = units::digits(100.0 * f64::from(quality.worst_pair_gap));
-        theme::row(ui, "worst pair, of the row", share).on_hover_text(format!(
-            "The largest |A_i F_ij - A_j F_ji| of the row over what it exchanges in all; the two differ by {pair} % \
-             of their mean",
+        theme::row(ui, "F in dispute at most", gap).on_hover_text(format!(
+            "The largest |A_i F_ij - A_j F_ji| of the row over A_i; the two samples differ by {pair} % of their mean",
         ));
         if quality.worst_partner != NO_PATCH {
             entry(ui, model, quality.worst_partner, "the other of that pair", &[], out);

@@ -2,7 +2,7 @@
 
 use super::list::{Cell, LINE, head, line};
 use super::{Commands, Model};
-use crate::display::luminance;
+use crate::display::{NO_VALUE, luminance};
 use crate::scene::illuminance;
 use crate::ui::command::Command;
 use crate::ui::state::Quantity;
@@ -75,7 +75,10 @@ impl Column {
 
     /// The value of a patch; `None` where it is not known yet.
     fn value(self, model: &Model<'_>, patch: usize) -> Option<f64> {
-        let map = |quantity| model.microscope.maps()?.of(quantity).get(patch).map(|&v| f64::from(v));
+        let map = |quantity| {
+            let value = *model.microscope.maps()?.of(quantity).get(patch)?;
+            (value > NO_VALUE).then_some(f64::from(value))
+        };
         match self {
             Self::Area => Some(model.mesh?.patches.get(patch)?.area),
             Self::Aspect => model.aspect.get(patch).map(|&a| f64::from(a)),
