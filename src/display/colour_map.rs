@@ -52,6 +52,19 @@ impl ColourMap {
     }
 }
 
+/// The display-linear colour that tells a patch from its neighbours, as `render/shaders/scene.wgsl`
+/// draws it where the surface faces the eye.
+pub fn patch_colour(patch: u32) -> [f32; 3] {
+    // Multiplicative hashing (Knuth 6.4) keeps neighbours apart in hue and in lightness.
+    let hash = patch.wrapping_mul(2_654_435_769);
+    let hue = (hash >> 16) as f32 / 65536.0;
+    let lightness = 0.35 + 0.5 * (hash.wrapping_mul(747_796_405) >> 24) as f32 / 256.0;
+    [0.0, 2.0 / 3.0, 1.0 / 3.0].map(|shift| {
+        let band = (((hue + shift) % 1.0 * 6.0 - 3.0).abs() - 1.0).clamp(0.0, 1.0);
+        (lightness * (0.3 + 0.7 * band)).powi(2)
+    })
+}
+
 /// Sixth-degree fit to the table of matplotlib (Zucker 2019), within 0.02 of it.
 fn viridis(t: f64) -> [f64; 3] {
     const FIT: [[f64; 3]; 7] = [

@@ -14,6 +14,11 @@ pub struct FalseColour {
     pub logarithmic: bool,
 }
 
+/// Stands for "no value" among the numbers that false colours show: drawn in grey.
+///
+/// Far below any value and far from overflow, so that it can be interpolated.
+pub const NO_VALUE: f32 = -1e30;
+
 /// A mark on a legend.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Tick {
@@ -28,10 +33,11 @@ pub struct Tick {
 impl FalseColour {
     /// A range that fits `values`: up to their 99th percentile, rounded up to a round number;
     /// from zero, or from a round number below the first percentile where `logarithmic`.
-    /// [`ColourMap::BlueRed`] gets a range symmetric about zero. Values that are not finite do
-    /// not count; 0 to 1 where none is left.
+    /// [`ColourMap::BlueRed`] gets a range symmetric about zero. Values that are not finite, and
+    /// [`NO_VALUE`], do not count; 0 to 1 where none is left.
     pub fn fitted(map: ColourMap, logarithmic: bool, values: &[f32]) -> Self {
-        let mut sorted: Vec<f32> = values.iter().copied().filter(|v| v.is_finite()).collect();
+        let mut sorted: Vec<f32> =
+            values.iter().copied().filter(|&v| v.is_finite() && v > NO_VALUE).collect();
         if map == ColourMap::BlueRed {
             sorted.iter_mut().for_each(|v| *v = v.abs());
         }
@@ -146,7 +152,7 @@ fn label(value: f64) -> String {
     }
     let digits = 2 - value.abs().log10().floor() as i32;
     if !(-4..=6).contains(&digits) {
-        return format!("{value:.0e}");
+        return format!("{value:.1e}").replace(".0e", "e");
     }
     let text = format!("{value:.0$}", digits.max(0) as usize);
     if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.').to_owned() } else { text }
@@ -201,6 +207,7 @@ mod tests {
     fn ticks_are_round_and_few() {
         assert_eq!(labels(linear([0.0, 500.0]), 6), ["0", "100", "200", "300", "400", "500"]);
         assert_eq!(labels(linear([-0.05, 0.05]), 5), ["-0.04", "-0.02", "0", "0.02", "0.04"]);
+        assert_eq!(labels(linear([0.0, 2e-6]), 5), ["0", "5e-7", "1e-6", "1.5e-6", "2e-6"]);
         let log = FalseColour { logarithmic: true, ..linear([1.0, 1000.0]) };
         assert_eq!(labels(log, 5), ["1", "10", "100", "1000"]);
         assert_eq!(labels(FalseColour { range: [10.0, 200.0], ..log }, 6), ["10", "20", "50", "100", "200"]);
@@ -216,8 +223,9 @@ mod tests {
         let mut values: Vec<f32> = (0..1000).map(|i| 0.4 * i as f32).collect();
         values[7] = 1e6;
         values[8] = f32::NAN;
+        values[9] = NO_VALUE;
         assert_eq!(FalseColour::fitted(ColourMap::Viridis, false, &values).range, [0.0, 500.0]);
-        assert_eq!(FalseColour::fitted(ColourMap::BlueRed, false, &[-3.0, 1.0]).range, [-5.0, 5.0]);
+        assert_eq!(FalseColour::fitted(ColourMap::BlueRed, false, &[-3.0, 1.0, NO_VALUE]).range, [-5.0, 5.0]);
         assert_eq!(FalseColour::fitted(ColourMap::Viridis, false, &[]).range, [0.0, 1.0]);
         let log = FalseColour::fitted(ColourMap::Viridis, true, &[0.0, 3.0, 40.0, 300.0]);
         assert_eq!((log.range, log.logarithmic), ([1.0, 500.0], true));

@@ -10,7 +10,7 @@ mod tone;
 mod vertices;
 mod weights;
 
-pub use colour_map::ColourMap;
-pub use false_colour::{FalseColour, Tick, patch_illuminance, patch_luminance};
+pub use colour_map::{ColourMap, patch_colour};
+pub use false_colour::{FalseColour, NO_VALUE, Tick, patch_illuminance, patch_luminance};
 pub use mesh::{Batch, DisplayCorner, DisplayMesh, Shading};
 pub use tone::{Exposure, ToneMap, luminance, meter, srgb_decode, srgb_encode};

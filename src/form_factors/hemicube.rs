@@ -6,6 +6,9 @@ use crate::geometry::Frame;
 use crate::mesh::{NO_PATCH, PatchMesh};
 use glam::DVec3;
 
+/// The top and four half faces.
+pub(super) const FACES: usize = 5;
+
 /// Delta form factors of a unit hemicube with `resolution` cells along an edge.
 #[derive(Clone, Debug)]
 pub struct Hemicube {
@@ -19,7 +22,7 @@ pub struct Hemicube {
 /// Item and depth buffers of one thread.
 #[derive(Clone, Debug, Default)]
 pub struct HemicubeSampler {
-    items: Vec<u32>,
+    pub(super) items: Vec<u32>,
     depths: Vec<f64>,
     polygon: Vec<DVec3>,
     clipped: Vec<DVec3>,
@@ -80,46 +83,66 @@ impl Hemicube {
         frame: &Frame,
         row: &mut RowBuffer,
     ) {
-        let n = self.resolution;
-        let contact = 1e-9 * mesh.size;
-        let (t, b, up) = (frame.tangent, frame.bitangent, frame.normal);
-        // Axes of each face: right, down the rows, outwards.
-        let faces = [(t, b, up), (t, up, b), (t, up, -b), (b, up, t), (b, up, -t)];
-        for (index, (right, rise, out)) in faces.into_iter().enumerate() {
-            let rows = if index == 0 { n } else { n / 2 };
-            sampler.items.clear();
-            sampler.items.resize(rows * n, NO_PATCH);
-            sampler.depths.clear();
-            sampler.depths.resize(rows * n, 0.0);
-            let lowest = if index == 0 { -1.0 } else { 0.0 };
-            for piece in &mesh.pieces {
-                let region = &mesh.regions[piece.region as usize];
-                let height = region.frame.normal.dot(point - region.origin);
-                if height.abs() <= contact {
-                    continue;
-                }
-                let side = usize::from(height < 0.0);
-                // What shows a side that no light reaches slipped through a seam.
-                if region.dark[side] {
-                    continue;
-                }
-                let patch = piece.patches[side];
-                sampler.polygon.clear();
-                sampler.polygon.extend(mesh.corners_of(piece).iter().map(|c| {
-                    let p = mesh.vertices[c.vertex as usize] - point;
-                    DVec3::new(right.dot(p), rise.dot(p), out.dot(p))
-                }));
-                // A black side occludes as any other; it is told apart from an empty cell by depth.
-                sampler.project(lowest, rows, n, patch);
-            }
-            sampler.close_seams(n);
-            let table = if index == 0 { &self.top } else { &self.side };
-            for (&patch, &delta) in sampler.items.iter().zip(table) {
+        for face in 0..FACES {
+            self.draw(sampler, mesh, point, frame, face);
+            for (&patch, &delta) in sampler.items.iter().zip(self.deltas(face)) {
                 if patch != NO_PATCH {
                     row.add(patch, delta);
                 }
             }
         }
+    }
+
+    /// Draws what `point` sees through one face into the sampler's item buffer, row by row.
+    ///
+    /// Face 0 is the top: columns along the tangent, rows along the bitangent. Faces 1 to 4 stand
+    /// upright at its edges along +bitangent, -bitangent, +tangent and -tangent: columns along the
+    /// tangent, the tangent, the bitangent and the bitangent, rows from the horizon upwards.
+    pub(super) fn draw(
+        &self,
+        sampler: &mut HemicubeSampler,
+        mesh: &PatchMesh,
+        point: DVec3,
+        frame: &Frame,
+        face: usize,
+    ) {
+        let n = self.resolution;
+        let contact = 1e-9 * mesh.size;
+        let (t, b, up) = (frame.tangent, frame.bitangent, frame.normal);
+        // Axes of each face: right, down the rows, outwards.
+        let (right, rise, out) = [(t, b, up), (t, up, b), (t, up, -b), (b, up, t), (b, up, -t)][face];
+        let rows = if face == 0 { n } else { n / 2 };
+        sampler.items.clear();
+        sampler.items.resize(rows * n, NO_PATCH);
+        sampler.depths.clear();
+        sampler.depths.resize(rows * n, 0.0);
+        let lowest = if face == 0 { -1.0 } else { 0.0 };
+        for piece in &mesh.pieces {
+            let region = &mesh.regions[piece.region as usize];
+            let height = region.frame.normal.dot(point - region.origin);
+            if height.abs() <= contact {
+                continue;
+            }
+            let side = usize::from(height < 0.0);
+            // What shows a side that no light reaches slipped through a seam.
+            if region.dark[side] {
+                continue;
+            }
+            let patch = piece.patches[side];
+            sampler.polygon.clear();
+            sampler.polygon.extend(mesh.corners_of(piece).iter().map(|c| {
+                let p = mesh.vertices[c.vertex as usize] - point;
+                DVec3::new(right.dot(p), rise.dot(p), out.dot(p))
+            }));
+            // A black side occludes as any other; it is told apart from an empty cell by depth.
+            sampler.project(lowest, rows, n, patch);
+        }
+        sampler.close_seams(n);
+    }
+
+    /// Delta form factors of a face's cells, in the order of [`Self::draw`].
+    pub(super) fn deltas(&self, face: usize) -> &[f64] {
+        if face == 0 { &self.top } else { &self.side }
     }
 }
 

@@ -1,6 +1,7 @@
 //! All form factors of a mesh: sparse, reciprocal and closed.
 
-use super::{Row, RowComputer, near};
+use super::quality::PairGaps;
+use super::{Row, RowComputer, RowQuality, near};
 use crate::mesh::PatchMesh;
 use rayon::prelude::*;
 
@@ -15,6 +16,7 @@ pub struct FormFactors {
     exchange: Vec<f32>,
     diagonal: Vec<f64>,
     areas: Vec<f64>,
+    quality: Vec<RowQuality>,
 }
 
 /// What [`FormFactors::assemble`] did.
@@ -94,6 +96,7 @@ impl FormFactors {
             exchange: Vec::with_capacity(entries),
             diagonal: vec![0.0; n],
             areas: mesh.patches.iter().map(|p| p.area).collect(),
+            quality: Vec::with_capacity(n),
         };
         matrix.offsets.push(0);
         let (mut gap, mut mean) = (0.0, 0.0);
@@ -103,6 +106,7 @@ impl FormFactors {
             }
             matrix.columns.extend_from_slice(&block.columns);
             matrix.exchange.extend_from_slice(&block.exchange);
+            matrix.quality.extend_from_slice(&block.quality);
             gap += block.gap;
             mean += block.mean;
         }
@@ -195,7 +199,7 @@ impl FormFactors {
 
     /// Bytes held.
     pub fn bytes(&self) -> usize {
-        self.columns.len() * 8 + self.areas.len() * 24
+        self.columns.len() * 8 + self.areas.len() * 44
     }
 
     /// Patches that patch `i` sees and its exchange areas S_ij with them, m²; see [`Self::diagonal`].
@@ -212,6 +216,11 @@ impl FormFactors {
     /// Area of patch `i`, m².
     pub fn area(&self, i: usize) -> f64 {
         self.areas[i]
+    }
+
+    /// How row `i` was sampled, before it was made reciprocal and closed.
+    pub fn quality(&self, i: usize) -> RowQuality {
+        self.quality[i]
     }
 
     /// Form factor from patch `i` to patch `j`.
@@ -262,6 +271,7 @@ struct Block {
     ends: Vec<usize>,
     columns: Vec<u32>,
     exchange: Vec<f32>,
+    quality: Vec<RowQuality>,
     gap: f64,
     mean: f64,
 }
@@ -290,14 +300,21 @@ impl Block {
                 }
             }
         }
-        let mut block =
-            Self { ends: Vec::new(), columns: Vec::new(), exchange: Vec::new(), gap: 0.0, mean: 0.0 };
+        let mut block = Self {
+            ends: Vec::new(),
+            columns: Vec::new(),
+            exchange: Vec::new(),
+            quality: Vec::with_capacity(range.len()),
+            gap: 0.0,
+            mean: 0.0,
+        };
         for (k, column) in columns.iter().enumerate() {
             let i = range.start + k;
             let row = &rows[i];
             let a_i = mesh.patches[i].area;
             // Close pairs in rising order: those of lower rows, then this row's own.
             let mut exact = mirrored[k].iter().chain(&close[i]).peekable();
+            let mut pairs = PairGaps::new(row.sum(), a_i);
             let (mut r, mut c) = (0, 0);
             while r < row.patches.len() || c < column.len() {
                 let from_row = row.patches.get(r).copied().unwrap_or(u32::MAX);
@@ -313,8 +330,7 @@ impl Block {
                     back = mesh.patches[j as usize].area * f64::from(column[c].1);
                     c += 1;
                 }
-                block.gap += (out - back).abs();
-                block.mean += 0.5 * (out + back);
+                pairs.add(j, out, back);
                 while exact.next_if(|e| e.0 < j).is_some() {}
                 let value = match exact.peek() {
                     Some(&&(at, value)) if at == j => value,
@@ -326,6 +342,10 @@ impl Block {
                 }
             }
             block.ends.push(block.columns.len());
+            let (gap, mean, quality) = pairs.finish();
+            block.gap += gap;
+            block.mean += mean;
+            block.quality.push(quality);
         }
         block
     }

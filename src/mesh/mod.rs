@@ -5,6 +5,7 @@
 //! [`Piece`] or several, and pieces are grouped into [`Patch`]es, at most one a side.
 
 mod build;
+mod neighbours;
 mod patches;
 mod pieces;
 mod reach;
@@ -12,5 +13,6 @@ mod regions;
 mod types;
 
 pub use build::{Backs, MeshError, MeshSettings, PatchTarget, build};
+pub use neighbours::Contact;
 pub(crate) use reach::cosine_direction;
 pub use types::{MeshStatistics, NO_PATCH, Patch, PatchMesh, Piece, PieceCorner, Region, Side};

@@ -98,13 +98,31 @@ pub struct Progress<'a> {
     pub sweeps: &'a [SweepReport],
     /// Seconds by stage so far.
     pub timings: Timings,
-    picture: Option<&'a dyn Fn() -> LightBases>,
+    picture: Option<Pictured<'a>>,
+}
+
+/// Where a picture on the way is copied from.
+#[derive(Clone, Copy)]
+enum Pictured<'a> {
+    Shooter(&'a Shooter),
+    Sweeps(&'a GaussSeidel, &'a System),
 }
 
 impl Progress<'_> {
     /// The picture as it stands, if there is one; copies it.
     pub fn picture(&self) -> Option<LightBases> {
-        self.picture.map(|p| p())
+        Some(match self.picture? {
+            Pictured::Shooter(shooter) => shooter.bases(),
+            Pictured::Sweeps(solver, system) => solver.bases(system),
+        })
+    }
+
+    /// The radiosity that has not been passed on, while rows arrive; copies it.
+    pub fn unshot(&self) -> Option<LightBases> {
+        match self.picture? {
+            Pictured::Shooter(shooter) => Some(shooter.unshot()),
+            Pictured::Sweeps(..) => None,
+        }
     }
 }
 
@@ -271,7 +289,7 @@ impl<'a> Run<'a> {
         rows: (usize, usize),
         (fraction, seconds_left): (f64, Option<f64>),
         sweeps: &[SweepReport],
-        picture: Option<&dyn Fn() -> LightBases>,
+        picture: Option<Pictured<'_>>,
         force: bool,
     ) -> Result<(), PipelineError> {
         if self.cancel.load(Ordering::Relaxed) {
@@ -328,7 +346,8 @@ impl<'a> Run<'a> {
             // Rows took nine tenths of the time in every scene measured.
             let fraction = 0.9 * done as f64 / n as f64;
             let left = (done > lamps.len().min(n - 1)).then(|| elapsed * (1.0 / fraction - 1.0));
-            self.tell(stage, (done, n), (fraction, left), &[], Some(&|| shooter.bases()), first_light)?;
+            let picture = Some(Pictured::Shooter(&shooter));
+            self.tell(stage, (done, n), (fraction, left), &[], picture, first_light)?;
         }
         Ok((rows, shooter.bases()))
     }
@@ -379,7 +398,7 @@ impl<'a> Run<'a> {
                 (n, n),
                 (0.95 + 0.05 * share, left),
                 &reports,
-                Some(&|| solver.bases(system)),
+                Some(Pictured::Sweeps(&solver, system)),
                 true,
             )?;
         }

@@ -55,6 +55,8 @@ pub struct Snapshot {
     pub assembled: Option<AssembleReport>,
     /// The present picture, a luminaire each.
     pub bases: Option<Arc<LightBases>>,
+    /// While rows arrive, the radiosity that they have not passed on yet, a luminaire each.
+    pub unshot: Option<Arc<LightBases>>,
     /// Reflectance of every patch as solved for.
     pub reflectance: Arc<Vec<[f32; 3]>>,
     /// One report a sweep of the present solve.
@@ -331,6 +333,7 @@ impl Worker<'_> {
             self.state.form_factors = Some(form_factors.clone());
             self.state.bases = Some(Arc::new(start));
             self.snapshot.form_factors = Some(form_factors);
+            self.snapshot.unshot = None;
             self.snapshot.assembled = Some(assembled);
         }
         let form_factors = self.state.form_factors.clone().ok_or(Failure::Cancelled)?;
@@ -375,7 +378,7 @@ impl Worker<'_> {
         self.snapshot.plan = Some(prepared.plan.clone());
         self.snapshot.computer = Some(prepared.computer.clone());
         self.snapshot.mesh_serial += 1;
-        self.snapshot.bases = None;
+        (self.snapshot.bases, self.snapshot.unshot) = (None, None);
         self.snapshot.sweeps = Arc::default();
         self.snapshot.error = None;
         self.snapshot.reflectance =
@@ -407,6 +410,7 @@ impl Worker<'_> {
             }
             if let Some(picture) = progress.picture() {
                 self.snapshot.bases = Some(Arc::new(picture));
+                self.snapshot.unshot = progress.unshot().map(Arc::new);
             }
             self.publish(progress.stage);
             self.rest_while_paused(progress.stage);

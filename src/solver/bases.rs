@@ -31,35 +31,45 @@ impl LightBases {
     ///
     /// `reflectance` holds the present reflectance of each patch per band, as solved for.
     pub fn mix(&self, mesh: &PatchMesh, lighting: &Lighting, reflectance: &[[f32; 3]]) -> PatchLight {
-        let outputs: Vec<[f32; 3]> =
-            lighting.lamps.iter().map(|lamp| lamp.output().map(|e| e as f32)).collect();
         let mut light = PatchLight {
-            irradiance: Vec::with_capacity(self.patches),
+            irradiance: self.sum(lighting, mesh.patches.len()),
             radiosity: Vec::with_capacity(self.patches),
         };
-        let stride = (self.lamps * self.bands).max(1);
         for (index, patch) in mesh.patches.iter().enumerate() {
-            let values = self.values.get(index * stride..(index + 1) * stride).unwrap_or(&[]);
-            let mut irradiance = [0.0_f32; 3];
-            if self.bands == 3 {
-                for (value, output) in values.as_chunks::<3>().0.iter().zip(&outputs) {
-                    for band in 0..3 {
-                        irradiance[band] += value[band] * output[band];
-                    }
-                }
-            } else {
-                for (value, output) in values.iter().zip(&outputs) {
-                    for band in 0..3 {
-                        irradiance[band] += value * output[band];
-                    }
-                }
-            }
+            let irradiance = light.irradiance[index];
             let emission = patch_emission(patch, lighting);
             let rho = reflectance.get(index).copied().unwrap_or_default();
-            light.irradiance.push(irradiance);
             light.radiosity.push(std::array::from_fn(|b| emission[b] + rho[b] * irradiance[b]));
         }
         light
+    }
+
+    /// The values of the first `patches` patches under `lighting`: the sum over the lamps, each times
+    /// its output. Zero where there are none.
+    pub fn sum(&self, lighting: &Lighting, patches: usize) -> Vec<[f32; 3]> {
+        let outputs: Vec<[f32; 3]> =
+            lighting.lamps.iter().map(|lamp| lamp.output().map(|e| e as f32)).collect();
+        let stride = (self.lamps * self.bands).max(1);
+        (0..patches)
+            .map(|index| {
+                let values = self.values.get(index * stride..(index + 1) * stride).unwrap_or(&[]);
+                let mut sum = [0.0_f32; 3];
+                if self.bands == 3 {
+                    for (value, output) in values.as_chunks::<3>().0.iter().zip(&outputs) {
+                        for band in 0..3 {
+                            sum[band] += value[band] * output[band];
+                        }
+                    }
+                } else {
+                    for (value, output) in values.iter().zip(&outputs) {
+                        for band in 0..3 {
+                            sum[band] += value * output[band];
+                        }
+                    }
+                }
+                sum
+            })
+            .collect()
     }
 }
 

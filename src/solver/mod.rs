@@ -7,11 +7,13 @@
 mod balance;
 mod bases;
 mod gauss_seidel;
+mod residual;
 mod shooter;
 mod system;
 
 pub use bases::{LightBases, PatchLight, patch_emission};
 pub use gauss_seidel::{GaussSeidel, columns_read};
+pub use residual::residual;
 pub use shooter::Shooter;
 pub use system::System;
 

@@ -74,11 +74,16 @@ impl Shooter {
 
     /// The picture so far.
     pub fn bases(&self) -> LightBases {
-        LightBases {
-            patches: self.done.len(),
-            lamps: self.lamps,
-            bands: self.bands,
-            values: self.irradiance.clone(),
-        }
+        self.with_values(self.irradiance.clone())
+    }
+
+    /// Radiosity that has not been passed on, a luminaire each at unit white exitance: what is missing
+    /// in the picture so far, before it is reflected further.
+    pub fn unshot(&self) -> LightBases {
+        self.with_values(self.unshot.clone())
+    }
+
+    fn with_values(&self, values: Vec<f32>) -> LightBases {
+        LightBases { patches: self.done.len(), lamps: self.lamps, bands: self.bands, values }
     }
 }

@@ -5,11 +5,12 @@ use super::command::EditKey;
 use super::exposure::AutoExposure;
 use super::files::{FileNews, Files};
 use super::history::History;
+use super::microscope::{Microscope, Shown};
 use super::overlay::{NOTICE_SECS, Notice};
 use super::panels::{self, Commands, Model};
 use super::path_dialog::{Answer, PathDialog};
 use super::picture::Picture;
-use super::state::{Edits, UiState};
+use super::state::{DisplaySettings, Edits, Quantity, UiState};
 use super::viewport::Viewport;
 use super::worker::Worker;
 use super::{input, theme};
@@ -44,6 +45,15 @@ pub struct App {
     pub(super) inspected: Option<u32>,
     /// It was picked just now: its numbers scroll into view.
     pub(super) inspect_fresh: bool,
+    /// Patches looked into before, the last one at the end.
+    pub(super) past_picks: Vec<u32>,
+    pub(super) microscope: Microscope,
+    /// The display before the row of a patch was put on the scene.
+    pub(super) before_row: Option<DisplaySettings>,
+    /// The numbers that false colours show now, one a patch.
+    pub(super) shown_values: Vec<f32>,
+    /// Gains per band of the picture shown last.
+    pub(super) gains: [f32; 3],
     /// The lamp that stands alone, and the lamps before.
     pub(super) solo: Option<(usize, Lighting)>,
     pub(super) notice: Option<Notice>,
@@ -89,7 +99,11 @@ impl App {
     /// A window on `worker`, in the state that it was left in.
     ///
     /// Without a graphics adapter (in tests) everything but the picture works.
-    pub fn new(cc: &eframe::CreationContext<'_>, worker: Box<dyn Worker>, state: UiState) -> Self {
+    pub fn new(cc: &eframe::CreationContext<'_>, worker: Box<dyn Worker>, mut state: UiState) -> Self {
+        if state.display.quantity.is_row() {
+            // No patch is looked into yet.
+            state.display = state.display.showing(Quantity::Picture);
+        }
         theme::apply(&cc.egui_ctx);
         cc.egui_ctx.add_plugin(input::TabKey::default());
         Self {
@@ -105,6 +119,11 @@ impl App {
             scale: None,
             inspected: None,
             inspect_fresh: false,
+            past_picks: Vec::new(),
+            microscope: Microscope::default(),
+            before_row: None,
+            shown_values: Vec::new(),
+            gains: [1.0; 3],
             solo: None,
             notice: None,
             last_change: String::new(),
@@ -159,6 +178,12 @@ impl App {
         self.inspected
     }
 
+    /// The numbers that false colours show, one a patch; [`crate::display::NO_VALUE`] where there is
+    /// none. Empty while the picture is shown.
+    pub fn shown_values(&self) -> &[f32] {
+        &self.shown_values
+    }
+
     /// Where the camera stands, once a scene is shown.
     pub fn camera(&self) -> Option<crate::render::Camera> {
         let control = self.camera.as_ref()?;
@@ -187,6 +212,7 @@ impl App {
         if !self.snapshot.last_change.is_empty() && (news.bases || news.mesh) {
             self.last_change.clone_from(&self.snapshot.last_change);
         }
+        self.follow_microscope(ctx);
         let time = ctx.input(|i| i.time);
         self.follow_error(time);
         for news in self.files.news() {
@@ -203,6 +229,24 @@ impl App {
             }
         }
         self.take_screenshot();
+    }
+
+    /// Asks the microscope for what is looked at.
+    fn follow_microscope(&mut self, ctx: &egui::Context) {
+        let Some(prepared) = &self.picture.prepared else { return };
+        let quantity = self.edits.display.quantity;
+        let shown = Shown {
+            prepared,
+            reflectance: &self.picture.reflectance,
+            light: &self.picture.light,
+            light_version: self.picture.light_version,
+            lighting: &self.edits.lighting,
+        };
+        let maps = quantity.is_defect() || self.state.table_open || self.inspected.is_some();
+        let news = self.microscope.follow(&self.snapshot, &shown, self.inspected, maps, ctx);
+        if news && (quantity.is_defect() || quantity.is_row()) {
+            self.stale.light = true;
+        }
     }
 
     /// Shows a new error of the worker, and takes it away once the worker has got over it.
@@ -290,11 +334,22 @@ impl App {
         });
         side(egui::Panel::right("right")).show_collapsible(ui, &mut right_open, |ui| {
             scroll(ui, "right scroll", |ui| {
+                // Picking opens the panel at the top: nothing above it can grow and push it away.
+                if model.inspected.is_some() {
+                    panels::section(ui, "Inspect", true, |ui| panels::inspect::show(ui, &model, out));
+                }
                 panels::section(ui, "Solver", true, |ui| panels::solver::show_or_hint(ui, &model, out));
                 panels::section(ui, "Display", true, |ui| panels::display::show(ui, &model, out));
-                panels::section(ui, "Inspect", true, |ui| panels::inspect::show(ui, &model, out));
+                if model.inspected.is_none() {
+                    panels::section(ui, "Inspect", true, |ui| panels::inspect::show(ui, &model, out));
+                }
             });
         });
+        if self.state.table_open {
+            let frame = egui::Frame::new().fill(theme::PANEL).inner_margin(egui::Margin::symmetric(8, 5));
+            let panel = egui::Panel::bottom("patch table").resizable(true).default_size(196.0);
+            panel.size_range(110.0..=420.0).frame(frame).show(ui, |ui| panels::table::show(ui, &model, out));
+        }
         if self.help_open {
             panels::help::show(ui, out);
         }
@@ -320,6 +375,11 @@ impl App {
             fov_deg: self.camera.as_ref().map_or(60.0, |c| c.pose().fov_y_deg),
             inspected: self.inspected,
             inspect_fresh: self.inspect_fresh,
+            can_go_back: !self.past_picks.is_empty(),
+            microscope: &self.microscope,
+            exposure: self.exposure_in_force(),
+            gains: self.gains,
+            shown_values: &self.shown_values,
             solo: self.solo.as_ref().map(|(lamp, _)| *lamp),
             has_comparison: self.picture.has_comparison(),
             last_change: &self.last_change,

@@ -53,8 +53,8 @@ pub(super) enum Command {
     Reload,
     /// Ask for a file name, then save.
     Save(SaveKind),
-    /// Save a picture under a free name in the pictures folder, without asking.
-    QuickScreenshot,
+    /// Save under a free name without asking: pictures in their folder, the rest beside the scene.
+    QuickSave(SaveKind),
     /// Put a lamp into this state.
     SetLamp(usize, LampState),
     /// Switch a lamp over.
@@ -99,8 +99,16 @@ pub(super) enum Command {
     Stop,
     /// Solve with other settings.
     Solve(SolveSettings),
-    /// Look into this patch, or into none.
+    /// Look into this patch, or into none; its numbers come into view.
     Inspect(Option<u32>),
+    /// Look into this patch; the panel stays where it is.
+    PickNext(u32),
+    /// Back to the patch looked into before.
+    PickBack,
+    /// The row of the patch looked into as a heat map on the scene, or what was shown before.
+    ToggleRow,
+    /// Show or hide the table of patches.
+    ToggleTable,
     /// Glide to where this patch is seen well, and look into it.
     JumpToPatch(u32),
     /// Show or hide both side panels.

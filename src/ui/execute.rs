@@ -7,7 +7,7 @@ use super::files::{SaveJob, free_name, pictures_folder};
 use super::overlay::Notice;
 use super::panels::Commands;
 use super::picture::shading_of;
-use super::state::Edits;
+use super::state::{DisplaySettings, Edits, Quantity};
 use super::{camera_control, units};
 use crate::display::Exposure;
 use crate::geometry::Ray;
@@ -17,6 +17,9 @@ use glam::DVec3;
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::Instant;
+
+/// Patches looked into before that one can go back to.
+const PICKS_KEPT: usize = 64;
 
 impl App {
     /// Carries out and forgets all of `commands`.
@@ -58,9 +61,7 @@ impl App {
             Command::Reload => self.reload(),
             Command::Save(SaveKind::Screenshot) if self.viewport.is_none() => {}
             Command::Save(kind) => self.files.save_dialog(kind, &self.suggested_path(kind)),
-            Command::QuickScreenshot => {
-                self.save_to(SaveKind::Screenshot, self.suggested_path(SaveKind::Screenshot))
-            }
+            Command::QuickSave(kind) => self.save_to(kind, self.suggested_path(kind)),
             Command::StoreComparison => self.picture.store_comparison(),
             Command::GoToView(index) => self.go_to(index),
             Command::StepView(step) => self.step_view(step),
@@ -92,9 +93,17 @@ impl App {
             Command::Stop => self.worker.stop(),
             Command::Solve(settings) => self.worker.set_settings(settings),
             Command::Inspect(patch) => {
-                self.inspected = patch;
+                self.look_into(patch);
                 self.inspect_fresh = patch.is_some();
             }
+            Command::PickNext(patch) => self.look_into(Some(patch)),
+            Command::PickBack => {
+                if let Some(before) = self.past_picks.pop() {
+                    self.inspected = Some(before);
+                }
+            }
+            Command::ToggleRow => self.toggle_row(ctx.input(|i| i.pointer.latest_pos())),
+            Command::ToggleTable => self.state.table_open = !self.state.table_open,
             Command::JumpToPatch(patch) => self.jump_to(patch),
             Command::TogglePanels => {
                 let open = self.state.left_open || self.state.right_open;
@@ -197,6 +206,64 @@ impl App {
         }
     }
 
+    /// Looks into another patch, or into none; the one before can be gone back to.
+    fn look_into(&mut self, patch: Option<u32>) {
+        if patch == self.inspected {
+            return;
+        }
+        match (self.inspected, patch) {
+            (Some(before), Some(_)) => {
+                if self.past_picks.len() == PICKS_KEPT {
+                    self.past_picks.remove(0);
+                }
+                self.past_picks.push(before);
+            }
+            (_, None) => {
+                self.past_picks.clear();
+                self.leave_row();
+            }
+            (None, Some(_)) => {}
+        }
+        self.inspected = patch;
+    }
+
+    /// Puts the row of the patch looked into onto the scene, or takes it off again. Where none is looked
+    /// into, it becomes the one under the cursor.
+    fn toggle_row(&mut self, cursor: Option<egui::Pos2>) {
+        if self.edits.display.quantity.is_row() {
+            self.leave_row();
+            return;
+        }
+        if self.inspected.is_none() {
+            let inside = cursor.filter(|&at| self.view_rect.contains(at));
+            self.inspected = self.pick_at_position(inside).and_then(|pick| pick.patch);
+            self.inspect_fresh = self.inspected.is_some();
+        }
+        if self.inspected.is_some() {
+            self.before_row = Some(self.edits.display);
+            let display = self.edits.display.showing(Quantity::RowDensity);
+            self.apply(EditKey::Display, Edits { display, ..self.edits.clone() });
+            self.history.seal();
+        }
+    }
+
+    /// Shows again what was shown before a row was.
+    fn leave_row(&mut self) {
+        let before = self.before_row.take();
+        let now = self.edits.display;
+        if !now.quantity.is_row() {
+            return;
+        }
+        let display = match before {
+            Some(DisplaySettings { quantity, range, logarithmic, .. }) => {
+                DisplaySettings { quantity, range, logarithmic, ..now }
+            }
+            None => now.showing(Quantity::Picture),
+        };
+        self.apply(EditKey::Display, Edits { display, ..self.edits.clone() });
+        self.history.seal();
+    }
+
     fn describe_lamps(&self, before: &Lighting) -> String {
         let changed: Vec<usize> = (0..self.edits.lighting.lamps.len())
             .filter(|&k| before.lamps.get(k) != self.edits.lighting.lamps.get(k))
@@ -242,7 +309,8 @@ impl App {
     pub(super) fn adopt_scene(&mut self) {
         let Some(prepared) = self.picture.prepared.clone() else { return };
         self.stale.mesh = true;
-        self.inspected = None;
+        self.look_into(None);
+        self.microscope.forget();
         self.seen = Default::default();
         let scene = Arc::clone(&prepared.scene);
         if self.scene_shown.as_ref().is_some_and(|shown| Arc::ptr_eq(shown, &scene)) {
@@ -308,11 +376,9 @@ impl App {
     /// Glides to where a patch is seen from nearly straight ahead, nothing being in between.
     fn jump_to(&mut self, patch: u32) {
         let Some(prepared) = self.picture.prepared.clone() else { return };
-        let (Some(target), Some(camera)) = (prepared.mesh.patches.get(patch as usize), &mut self.camera)
-        else {
-            return;
-        };
-        self.inspected = Some(patch);
+        let Some(target) = prepared.mesh.patches.get(patch as usize) else { return };
+        self.look_into(Some(patch));
+        let Some(camera) = &mut self.camera else { return };
         // A little off the normal: looking straight down has no heading.
         let aside =
             (camera.pose().eye - target.centre).reject_from_normalized(target.normal).normalize_or(DVec3::X);

@@ -1,7 +1,7 @@
 //! Keys and the mouse: what they ask for.
 
 use super::camera_control::{Motion, Wish};
-use super::command::Command;
+use super::command::{Command, SaveKind};
 use super::panels::{Commands, Model};
 use super::state::{Quantity, ShadingMode};
 use egui::{Context, Key, Modifiers};
@@ -86,7 +86,8 @@ pub(super) fn commands(ctx: &Context, model: &Model<'_>, help_open: bool, out: &
         (Modifiers::COMMAND, Key::Q, Command::Quit),
         (Modifiers::NONE, Key::F1, Command::ToggleHelp),
         (Modifiers::NONE, Key::F5, Command::Reload),
-        (Modifiers::NONE, Key::F12, Command::QuickScreenshot),
+        (Modifiers::SHIFT, Key::F12, Command::QuickSave(SaveKind::Hdr)),
+        (Modifiers::NONE, Key::F12, Command::QuickSave(SaveKind::Screenshot)),
     ] {
         if shortcut(modifiers, key) {
             out.push(command);
@@ -105,6 +106,9 @@ pub(super) fn commands(ctx: &Context, model: &Model<'_>, help_open: bool, out: &
         (Key::OpenBracket, Command::StepView(-1)),
         (Key::CloseBracket, Command::StepView(1)),
         (Key::P, Command::Pause(!model.snapshot.paused)),
+        (Key::R, Command::ToggleRow),
+        (Key::J, Command::ToggleTable),
+        (Key::Backspace, Command::PickBack),
         (
             Key::F,
             Command::SetMotion(if model.state.motion == Motion::Walk { Motion::Fly } else { Motion::Walk }),
@@ -143,8 +147,7 @@ fn display_keys(pressed: &impl Fn(Key) -> bool, model: &Model<'_>, out: &mut Com
     }
     if pressed(Key::L) {
         let lux = now.quantity == Quantity::Illuminance;
-        new.quantity = if lux { Quantity::Picture } else { Quantity::Illuminance };
-        new.range = None;
+        new = new.showing(if lux { Quantity::Picture } else { Quantity::Illuminance });
     }
     let brighter = f64::from(u8::from(pressed(Key::Plus) || pressed(Key::Equals)))
         - f64::from(u8::from(pressed(Key::Minus)));

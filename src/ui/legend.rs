@@ -20,7 +20,7 @@ pub(super) fn show(ui: &egui::Ui, view: Rect, quantity: Quantity, scale: &FalseC
     let painter = ui.painter_at(view);
     painter.rect_filled(ground, 5.0, Color32::from_black_alpha(178));
     let title = match quantity.unit() {
-        "" => quantity.name().to_owned(),
+        "" => short_name(quantity).to_owned(),
         unit => format!("{} [{unit}]", short_name(quantity)),
     };
     let font = FontId::proportional(11.0);
@@ -53,10 +53,34 @@ pub(super) fn show(ui: &egui::Ui, view: Rect, quantity: Quantity, scale: &FalseC
     }
 }
 
+/// Says into the same corner why a map is not shown yet.
+pub(super) fn pending(ui: &egui::Ui, view: Rect, quantity: Quantity) {
+    let needs = match quantity {
+        Quantity::Residual | Quantity::Unshot => "as soon as light arrives",
+        q if q.is_row() => "as soon as a patch is looked into",
+        _ => "once all rows are there",
+    };
+    let painter = ui.painter_at(view);
+    let text = format!("{} is shown {needs}", quantity.name());
+    let galley = painter.layout_no_wrap(text, FontId::proportional(12.0), theme::TEXT);
+    let size = galley.size() + Vec2::new(2.0 * PAD, PAD);
+    let ground = Rect::from_min_size(view.max - size - Vec2::splat(12.0), size);
+    if view.contains_rect(ground) {
+        painter.rect_filled(ground, 5.0, Color32::from_black_alpha(178));
+        painter.galley(ground.min + Vec2::new(PAD, 0.5 * PAD), galley, theme::TEXT);
+    }
+}
+
 fn short_name(quantity: Quantity) -> &'static str {
     match quantity {
         Quantity::Difference => "Now - A",
         Quantity::Area => "Area",
+        Quantity::RowDensity => "F / area",
+        Quantity::RowFactor => "Form factor F",
+        Quantity::RowLight => "Light",
+        Quantity::Escape => "Escapes",
+        Quantity::Reciprocity => "Reciprocity",
+        Quantity::Unshot => "Unshot",
         other => other.name(),
     }
 }

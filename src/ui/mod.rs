@@ -4,6 +4,7 @@
 //! behind [`Worker`]: nothing here waits for it.
 
 mod app;
+mod background;
 mod camera_control;
 mod collision;
 mod colour;
@@ -14,6 +15,8 @@ mod files;
 mod history;
 mod input;
 mod legend;
+mod microscope;
+mod outline;
 mod overlay;
 mod panels;
 mod path_dialog;

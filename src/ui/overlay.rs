@@ -2,8 +2,9 @@
 
 use super::command::Command;
 use super::panels::{Commands, Model};
+use super::state::Quantity;
 use super::{theme, units};
-use crate::display::luminance;
+use crate::display::{NO_VALUE, luminance};
 use crate::render::Pick;
 use crate::scene::illuminance;
 use egui::{Align2, Area, Color32, Id, Order, Rect, RichText, Vec2};
@@ -104,15 +105,21 @@ pub(super) fn readout(ui: &egui::Ui, view: Rect, model: &Model<'_>, pick: &Pick)
     let distance = units::digits(pick.distance / scene.unit.metres());
     let b = radiosity.map(|x| units::digits(f64::from(x))).join(" ");
     let patch = format!("patch {}  -  B {b} W/m²  -  {distance} {}", units::count(id), scene.unit.symbol());
-    let lines = [
+    let mut lines = vec![
         (format!("{lux} lx     {cd} cd/m²"), 17.0, theme::TEXT),
         (what, 11.5, theme::TEXT),
         (patch, 11.5, theme::TEXT_WEAK),
     ];
+    if let Some(text) = shown_value(model, id) {
+        lines.insert(1, (text, 13.0, theme::ACCENT));
+    }
     let painter = ui.painter_at(view);
-    let galleys = lines.map(|(text, size, colour)| {
-        (painter.layout_no_wrap(text, egui::FontId::proportional(size), colour), colour)
-    });
+    let galleys: Vec<_> = lines
+        .into_iter()
+        .map(|(text, size, colour)| {
+            (painter.layout_no_wrap(text, egui::FontId::proportional(size), colour), colour)
+        })
+        .collect();
     let width = galleys.iter().map(|(galley, _)| galley.size().x).fold(0.0, f32::max);
     let height: f32 = galleys.iter().map(|(galley, _)| galley.size().y).sum();
     // A steady width: the ground must not jump with every number.
@@ -128,6 +135,19 @@ pub(super) fn readout(ui: &egui::Ui, view: Rect, model: &Model<'_>, pick: &Pick)
         painter.galley(at, galley, colour);
         at.y += down;
     }
+}
+
+/// The number behind the false colour of a patch, where it is none of those that are told anyway.
+fn shown_value(model: &Model<'_>, patch: usize) -> Option<String> {
+    let quantity = model.edits.display.quantity;
+    if matches!(quantity, Quantity::Illuminance | Quantity::Luminance | Quantity::Sides) {
+        return None;
+    }
+    let value = *model.shown_values.get(patch)?;
+    if value <= NO_VALUE {
+        return Some(format!("{}: not seen", quantity.name()));
+    }
+    Some(format!("{}: {} {}", quantity.name(), units::digits(f64::from(value)), quantity.unit()))
 }
 
 fn shortened(text: &str, most: usize) -> String {

@@ -216,7 +216,8 @@ impl Picture {
             }
             Quantity::Aspect => prepared.aspect.clone(),
             Quantity::Area => patches.iter().map(|p| p.area as f32).collect(),
-            Quantity::Picture | Quantity::PatchIds | Quantity::Normals => Vec::new(),
+            // What is no number, and what the microscope sees.
+            _ => Vec::new(),
         }
     }
 
@@ -284,15 +285,21 @@ fn white_gains(flux: [f64; 3]) -> [f32; 3] {
     gains.map(|g| (g * mean / after) as f32)
 }
 
+/// Least value that the scale of a row tells apart, of its largest.
+const ROW_DECADES: f64 = 1e-3;
+
 /// The scale of a quantity: its pinned range, or one that fits.
 pub(super) fn scale(display: &DisplaySettings, values: &[f32]) -> FalseColour {
-    let signed = matches!(display.quantity, Quantity::Difference | Quantity::Sides);
-    let map = if signed { ColourMap::BlueRed } else { ColourMap::Viridis };
+    let map = if display.quantity.is_signed() { ColourMap::BlueRed } else { ColourMap::Viridis };
     let mut scale = match display.quantity {
         Quantity::Reflectance => FalseColour { map, range: [0.0, 1.0], logarithmic: false },
         Quantity::Sides => FalseColour { map, range: [-1.0, 1.0], logarithmic: false },
         _ => FalseColour::fitted(map, display.logarithmic, values),
     };
+    if display.quantity.is_row() && scale.logarithmic {
+        // Slivers of what is hardly seen must not take the colours of what is.
+        scale.range[0] = scale.range[0].max(ROW_DECADES * scale.range[1]);
+    }
     if let Some(range) = display.range {
         scale.range = range;
     }

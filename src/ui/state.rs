@@ -43,11 +43,28 @@ pub enum Quantity {
     Aspect,
     /// Patch area in m².
     Area,
+    /// Form factors from the patch looked into, each over the area of the patch it goes to, 1/m²:
+    /// what does not depend on how finely the others are cut.
+    RowDensity,
+    /// Form factors from the patch looked into.
+    RowFactor,
+    /// Illuminance that the patch looked into has from each other, over that one's area, lx/m².
+    RowLight,
+    /// What of a patch's power leaves through openings, %.
+    Escape,
+    /// Row sums as sampled less those after balancing, %.
+    Closure,
+    /// Largest gap between A_i F_ij and A_j F_ji of a patch as sampled over A_i, %.
+    Reciprocity,
+    /// Luminance that one more sweep would add, cd/m².
+    Residual,
+    /// Luminous flux that has not been passed on yet, lm.
+    Unshot,
 }
 
 impl Quantity {
     /// All of them, in the order of the menu.
-    pub const ALL: [Self; 10] = [
+    pub const ALL: [Self; 18] = [
         Self::Picture,
         Self::Illuminance,
         Self::Luminance,
@@ -58,7 +75,18 @@ impl Quantity {
         Self::Sides,
         Self::Aspect,
         Self::Area,
+        Self::RowDensity,
+        Self::RowFactor,
+        Self::RowLight,
+        Self::Escape,
+        Self::Closure,
+        Self::Reciprocity,
+        Self::Residual,
+        Self::Unshot,
     ];
+
+    /// What a row of form factors can be shown as.
+    pub const ROW: [Self; 3] = [Self::RowDensity, Self::RowFactor, Self::RowLight];
 
     /// What the menu calls it.
     pub fn name(self) -> &'static str {
@@ -73,6 +101,14 @@ impl Quantity {
             Self::Sides => "Front and back",
             Self::Aspect => "Aspect of patches",
             Self::Area => "Area of patches",
+            Self::RowDensity => "Row: F per area",
+            Self::RowFactor => "Row: form factor F",
+            Self::RowLight => "Row: light per area",
+            Self::Escape => "Escaping share",
+            Self::Closure => "Row sum error",
+            Self::Reciprocity => "Worst reciprocity",
+            Self::Residual => "Residual",
+            Self::Unshot => "Unshot power",
         }
     }
 
@@ -80,8 +116,12 @@ impl Quantity {
     pub fn unit(self) -> &'static str {
         match self {
             Self::Illuminance | Self::Difference => "lx",
-            Self::Luminance => "cd/m²",
+            Self::Luminance | Self::Residual => "cd/m²",
             Self::Area => "m²",
+            Self::RowDensity => "1/m²",
+            Self::RowLight => "lx/m²",
+            Self::Escape | Self::Closure | Self::Reciprocity => "%",
+            Self::Unshot => "lm",
             _ => "",
         }
     }
@@ -89,6 +129,53 @@ impl Quantity {
     /// Whether it is a number a patch, drawn through a colour map with a legend.
     pub fn is_scalar(self) -> bool {
         !matches!(self, Self::Picture | Self::PatchIds | Self::Normals)
+    }
+
+    /// What it means, where the name alone does not say it.
+    pub fn explanation(self) -> &'static str {
+        match self {
+            Self::RowDensity => {
+                "Form factors from the picked patch, each over the area of the patch that it goes to: \
+                 even where patches differ in size. Grey is not seen"
+            }
+            Self::RowFactor => {
+                "Form factors from the picked patch, as the matrix holds them. Grey is not seen"
+            }
+            Self::RowLight => {
+                "Illuminance that the picked patch has from every other, over that one's area: where its \
+                 light comes from. Grey is not seen"
+            }
+            Self::Escape => {
+                "1 less the sum of a patch's form factors: what leaves through openings. Grey sees nothing"
+            }
+            Self::Closure => "Row sum as sampled less the sum after balancing: what balancing mended",
+            Self::Reciprocity => {
+                "Largest gap between the two samples A_i F_ij and A_j F_ji of a patch's pairs over A_i: how far \
+                 one of its form factors is in dispute"
+            }
+            Self::Residual => "E + rho F B - B as luminance: what one more sweep would add",
+            Self::Unshot => {
+                "Flux that has arrived and not been passed on; once all rows are there, that of the residual"
+            }
+            Self::Aspect => "Longest extent squared over area: 1 for a square",
+            Self::Difference => "Illuminance now less that of the stored state A",
+            _ => "",
+        }
+    }
+
+    /// Whether it shows the row of the patch looked into.
+    pub fn is_row(self) -> bool {
+        Self::ROW.contains(&self)
+    }
+
+    /// Whether it is a map of what sampling and solver got wrong, a value a patch.
+    pub fn is_defect(self) -> bool {
+        matches!(self, Self::Escape | Self::Closure | Self::Reciprocity | Self::Residual | Self::Unshot)
+    }
+
+    /// Whether it has both signs, so that its colours part at zero.
+    pub fn is_signed(self) -> bool {
+        matches!(self, Self::Difference | Self::Sides | Self::Closure | Self::Residual)
     }
 
     /// Whether its values change with the lamps.
@@ -126,6 +213,20 @@ pub struct DisplaySettings {
     pub show_unlit: bool,
     /// Numbers under the cursor.
     pub readout: bool,
+}
+
+impl DisplaySettings {
+    /// The same with another quantity: its range is free, for one pinned in lux means nothing in
+    /// cd/m², and rows, which span decades, are shown in even factors.
+    #[must_use]
+    pub fn showing(self, quantity: Quantity) -> Self {
+        let logarithmic = match (self.quantity.is_row(), quantity.is_row()) {
+            (false, true) => true,
+            (true, false) => false,
+            _ => self.logarithmic,
+        };
+        Self { quantity, range: None, logarithmic, ..self }
+    }
 }
 
 impl Default for DisplaySettings {
@@ -167,6 +268,8 @@ pub struct UiState {
     pub hint_done: bool,
     /// Load a file again when it changes on disk.
     pub reload_on_change: bool,
+    /// The table of patches under the view.
+    pub table_open: bool,
     /// How the picture is made.
     pub display: DisplaySettings,
 }
@@ -182,6 +285,7 @@ impl Default for UiState {
             recent: Vec::new(),
             hint_done: false,
             reload_on_change: true,
+            table_open: false,
             display: DisplaySettings::default(),
         }
     }

@@ -5,7 +5,7 @@ use super::camera_control::{Motion, Wish};
 use super::command::Command;
 use super::panels::Commands;
 use super::state::Quantity;
-use super::{input, legend, overlay, picture, theme};
+use super::{input, legend, outline, overlay, picture, theme};
 use crate::render::{Camera, ColourSource, FrameInput, Pick};
 use crate::scene::SceneSource;
 use crate::session::Stage;
@@ -134,21 +134,24 @@ impl App {
         if !std::mem::take(&mut self.stale.light) {
             return;
         }
+        self.gains =
+            if display.white_balance { self.picture.white_balance(&self.edits.lighting) } else { [1.0; 3] };
         self.scale = None;
-        if display.quantity.is_scalar() {
-            let values = self.picture.scalars(display.quantity);
+        self.shown_values.clear();
+        let values = match display.quantity {
+            q if q.is_row() || q.is_defect() => self.microscope.scalars(q, &prepared, &self.picture.light),
+            q => q.is_scalar().then(|| self.picture.scalars(q)),
+        };
+        // Where the microscope has no answer yet the picture is shown.
+        if let Some(values) = values {
             self.scale = Some(picture::scale(&display, &values));
             let corners = self.picture.corner_scalars(&values, &display);
             if let Some(viewport) = &self.viewport {
                 viewport.upload(|renderer, _, queue| renderer.set_scalars(queue, &corners));
             }
+            self.shown_values = values;
         } else {
-            let gains = if display.white_balance {
-                self.picture.white_balance(&self.edits.lighting)
-            } else {
-                [1.0; 3]
-            };
-            let corners = self.picture.corner_radiosity(display.shading, gains);
+            let corners = self.picture.corner_radiosity(display.shading, self.gains);
             if let Some(viewport) = &self.viewport {
                 viewport.upload(|renderer, _, queue| renderer.set_light(queue, &corners));
             }
@@ -173,13 +176,17 @@ impl App {
             exposure: self.exposure_in_force(),
             tone_map: display.tone_map,
             wireframe: display.wireframe,
-            highlight: self.inspected,
+            // A tint would change the colour that means a value; there the outline alone marks it.
+            highlight: self.inspected.filter(|_| !matches!(source, ColourSource::FalseColour(_))),
             show_unlit: display.show_unlit,
             // A software adapter draws single samples while the picture changes, four at rest.
             multisample: !viewport.is_software() || !(moving || self.is_solving()),
             ..FrameInput::new(camera, self.view_size_px)
         };
         viewport.paint(ui, rect, frame);
+        if let (Some(patch), Some(prepared)) = (self.inspected, &self.picture.prepared) {
+            outline::show(ui, rect, prepared, &camera, patch);
+        }
     }
 
     fn is_solving(&self) -> bool {
@@ -193,7 +200,8 @@ impl App {
         self.pick_at_position(response.hover_pos())
     }
 
-    fn pick_at_position(&self, position: Option<egui::Pos2>) -> Option<Pick> {
+    /// What lies under a place of the window.
+    pub(super) fn pick_at_position(&self, position: Option<egui::Pos2>) -> Option<Pick> {
         let (prepared, camera): (_, Camera) = (self.picture.prepared.as_ref()?, self.camera()?);
         let at = (position? - self.view_rect.min) / self.view_rect.size();
         let size = self.view_size_px;
@@ -236,8 +244,13 @@ impl App {
         out: &mut Commands,
     ) {
         let model = self.model();
-        if let Some(scale) = &self.scale {
-            legend::show(ui, rect, self.edits.display.quantity, scale);
+        let quantity = self.edits.display.quantity;
+        match &self.scale {
+            Some(scale) => legend::show(ui, rect, quantity, scale),
+            None if quantity.is_scalar() && self.picture.prepared.is_some() => {
+                legend::pending(ui, rect, quantity);
+            }
+            None => {}
         }
         if self.edits.display.readout
             && response.hovered()

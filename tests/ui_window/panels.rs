@@ -1,23 +1,13 @@
 //! The window driven by the names of its controls, its keys and its mouse.
 
-use crate::support::{Counting, solved, window};
+use crate::support::{Counting, click, click_at, place_of_lamp, press, solved, window};
 use egui::accesskit::Role;
-use egui::{Key, Modifiers, Pos2};
+use egui::{Key, Modifiers};
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable as _;
 use lumenwalk::scene::illuminance;
 use lumenwalk::session::Stage;
 use lumenwalk::ui::{App, Motion, Quantity, ShadingMode};
-
-fn click(harness: &mut Harness<'_, App>, name: &str) {
-    harness.get_by_label(name).click();
-    harness.run_steps(3);
-}
-
-fn press(harness: &mut Harness<'_, App>, key: Key) {
-    harness.key_press(key);
-    harness.run_steps(3);
-}
 
 /// Area-weighted mean illuminance, lux.
 fn mean_lux(harness: &Harness<'_, App>) -> f64 {
@@ -166,28 +156,6 @@ fn a_reflectance_asks_the_solver_once_per_change_and_showing_it_never() {
     harness.run_steps(2);
     click(&mut harness, "Reset materials");
     assert_eq!(worker.requests(), ["materials 1", "materials 0"]);
-}
-
-/// Where a patch of this luminaire appears in the window.
-fn place_of_lamp(harness: &Harness<'_, App>, luminaire: u32) -> Pos2 {
-    let mesh = solved().mesh.clone().expect("meshed");
-    let patch = mesh.patches.iter().find(|p| p.luminaire == Some(luminaire)).expect("it shines");
-    let rect = harness.get_by_label("Scene view").rect();
-    let size = [rect.width() as u32, rect.height() as u32];
-    let at = harness.state().camera().expect("shown").project(patch.centre, size).expect("in front");
-    rect.min + egui::vec2(at.x as f32, at.y as f32)
-}
-
-fn click_at(harness: &mut Harness<'_, App>, at: Pos2, modifiers: Modifiers) {
-    harness.hover_at(at);
-    harness.run_steps(2);
-    for pressed in [true, false] {
-        let button = egui::PointerButton::Primary;
-        let event = egui::Event::PointerButton { pos: at, button, pressed, modifiers };
-        harness.event_modifiers(event, modifiers);
-        harness.step();
-    }
-    harness.run_steps(3);
 }
 
 #[test]

@@ -1,7 +1,7 @@
 //! Pictures of the window, compared with ones that were looked at, and what they must show.
 
-use crate::support::{Counting, has_adapter, solved, window};
-use egui::Key;
+use crate::support::{Counting, click_at, has_adapter, solved, wait_until, window};
+use egui::{Key, Modifiers};
 use egui_kittest::kittest::Queryable as _;
 use egui_kittest::{Harness, SnapshotOptions};
 use lumenwalk::ui::App;
@@ -60,4 +60,28 @@ fn the_window_at_1280_by_800() {
     harness.key_press(Key::F1);
     harness.run_steps(30);
     harness.snapshot_options("window_keys", &options());
+}
+
+#[test]
+fn a_patch_under_the_microscope() {
+    if !has_adapter("a_patch_under_the_microscope") {
+        return;
+    }
+    let mut harness = window(&Counting::showing(solved()), true);
+    let at = harness.get_by_label("Scene view").rect().center() + egui::vec2(40.0, 60.0);
+    click_at(&mut harness, at, Modifiers::COMMAND | Modifiers::CTRL);
+    let patch = harness.state().inspected().expect("a patch");
+    wait_until(&mut harness, "the hemicube", |h| {
+        h.query_by_label(&format!("Hemicube of patch {patch}")).is_some()
+    });
+    let before = brightness(&mut harness);
+    harness.key_press(Key::R);
+    harness.run_steps(10);
+    assert!((brightness(&mut harness) - before).abs() > 2.0, "the row is on the scene");
+    harness.snapshot_options("microscope_row", &options());
+    harness.key_press(Key::R);
+    harness.key_press(Key::J);
+    harness.run_steps(30);
+    assert!((brightness(&mut harness) - before).abs() < 6.0, "and gone again");
+    harness.snapshot_options("microscope_table", &options());
 }

@@ -1,6 +1,8 @@
 //! A small solved scene and a worker that only counts what it is asked for.
 
+use egui::{Key, Modifiers, Pos2};
 use egui_kittest::Harness;
+use egui_kittest::kittest::Queryable as _;
 use lumenwalk::scene::{self, SceneSource};
 use lumenwalk::session::{self, Control, MaterialEdit, Snapshot, SolveSettings, Stage};
 use lumenwalk::solver::SweepReport;
@@ -63,6 +65,9 @@ pub(crate) fn solved() -> Arc<Snapshot> {
             scene: Some(solved.scene),
             mesh: Some(solved.mesh),
             plan: Some(solved.plan),
+            computer: Some(solved.computer),
+            form_factors: Some(solved.form_factors),
+            assembled: Some(solved.assembled),
             bases: Some(solved.bases),
             reflectance: solved.reflectance,
             sweeps: Arc::new((1..=6).map(sweep).collect()),
@@ -167,4 +172,62 @@ pub(crate) fn has_adapter(test: &str) -> bool {
             false
         }
     }
+}
+
+/// Clicks the control of this name.
+pub(crate) fn click(harness: &mut Harness<'_, App>, name: &str) {
+    harness.get_by_label(name).click();
+    harness.run_steps(3);
+}
+
+/// Presses and releases a key.
+pub(crate) fn press(harness: &mut Harness<'_, App>, key: Key) {
+    harness.key_press(key);
+    harness.run_steps(3);
+}
+
+/// Where a patch appears in the window.
+pub(crate) fn place_of(harness: &Harness<'_, App>, patch: u32) -> Pos2 {
+    let mesh = solved().mesh.clone().expect("meshed");
+    let rect = harness.get_by_label("Scene view").rect();
+    let size = [rect.width() as u32, rect.height() as u32];
+    let centre = mesh.patches[patch as usize].centre;
+    let at = harness.state().camera().expect("shown").project(centre, size).expect("in front");
+    rect.min + egui::vec2(at.x as f32, at.y as f32)
+}
+
+/// Where a patch of this luminaire appears in the window.
+pub(crate) fn place_of_lamp(harness: &Harness<'_, App>, luminaire: u32) -> Pos2 {
+    let mesh = solved().mesh.clone().expect("meshed");
+    let patch = mesh.patches.iter().position(|p| p.luminaire == Some(luminaire)).expect("it shines");
+    place_of(harness, patch as u32)
+}
+
+/// Moves the mouse there and clicks.
+pub(crate) fn click_at(harness: &mut Harness<'_, App>, at: Pos2, modifiers: Modifiers) {
+    harness.hover_at(at);
+    harness.run_steps(2);
+    for pressed in [true, false] {
+        let button = egui::PointerButton::Primary;
+        let event = egui::Event::PointerButton { pos: at, button, pressed, modifiers };
+        harness.event_modifiers(event, modifiers);
+        harness.step();
+    }
+    harness.run_steps(3);
+}
+
+/// Lets frames pass until `done` says so: helper threads need a while.
+pub(crate) fn wait_until(
+    harness: &mut Harness<'_, App>,
+    what: &str,
+    done: impl Fn(&Harness<'_, App>) -> bool,
+) {
+    for _ in 0..2000 {
+        harness.step();
+        if done(harness) {
+            return;
+        }
+        std::thread::sleep(Duration::from_millis(5));
+    }
+    panic!("{what} never came");
 }

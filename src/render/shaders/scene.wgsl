@@ -18,6 +18,7 @@ struct Frame {
 @group(1) @binding(0) var reflectance_texture: texture_2d<f32>;
 @group(1) @binding(1) var reflectance_sampler: sampler;
 
+const NO_VALUE_BELOW = -1e29; // NO_VALUE of display/false_colour.rs is less
 const HIGHLIGHT = vec3f(1.0, 0.36, 0.02);
 
 struct Corner {
@@ -58,14 +59,19 @@ struct Lit {
 struct Valued {
     @builtin(position) clip: vec4f,
     @location(0) value: f32,
-    @location(1) @interpolate(flat) patch_index: u32,
+    @location(1) facing: f32,
+    @location(2) @interpolate(flat) patch_index: u32,
 }
 
 @vertex fn vs_valued(corner: Corner, @location(5) value: f32) -> Valued {
-    return Valued(clip(corner.position), value, corner.patch_index);
+    let facing = abs(dot(corner.normal, normalize(frame.eye - corner.position)));
+    return Valued(clip(corner.position), value, facing, corner.patch_index);
 }
 
 @fragment fn fs_false_colour(v: Valued) -> @location(0) vec4f {
+    if v.value < NO_VALUE_BELOW {
+        return highlighted(vec3f(0.04 + 0.08 * v.facing), v.patch_index);
+    }
     let x = select(v.value, log2(max(v.value, 1e-37)), frame.logarithmic != 0u);
     let position = clamp(x * frame.scale + frame.offset, 0.0, 1.0);
     // From the centre of the first entry to that of the last.

@@ -14,12 +14,15 @@ pub(in crate::ui) fn show(ui: &mut egui::Ui, model: &Model<'_>, out: &mut Comman
     let mut new = now;
     combo(ui, "Show", now.quantity.name(), |ui| {
         for quantity in Quantity::ALL {
-            let enabled = quantity != Quantity::Difference || model.has_comparison;
+            let enabled = (quantity != Quantity::Difference || model.has_comparison)
+                && (!quantity.is_row() || model.inspected.is_some());
             let choice = Button::selectable(now.quantity == quantity, quantity.name());
-            if ui.add_enabled(enabled, choice).clicked() {
-                new.quantity = quantity;
-                // A range pinned in lux means nothing in cd/m².
-                new.range = None;
+            let mut shown = ui.add_enabled(enabled, choice);
+            if !quantity.explanation().is_empty() {
+                shown = shown.on_hover_text(quantity.explanation());
+            }
+            if shown.clicked() {
+                new = new.showing(quantity);
             }
         }
     });
@@ -59,7 +62,7 @@ pub(in crate::ui) fn show(ui: &mut egui::Ui, model: &Model<'_>, out: &mut Comman
             .accessible_name("Show difference to A")
             .clicked()
         {
-            new.quantity = if difference { Quantity::Picture } else { Quantity::Difference };
+            new = new.showing(if difference { Quantity::Picture } else { Quantity::Difference });
             new.range = None;
         }
     });
@@ -117,7 +120,7 @@ fn range(ui: &mut egui::Ui, model: &Model<'_>, new: &mut crate::ui::state::Displ
         {
             new.range = pinned.then_some(in_force);
         }
-        if new.quantity != Quantity::Difference {
+        if !new.quantity.is_signed() {
             ui.checkbox(&mut new.logarithmic, "Logarithmic");
         }
     });

@@ -40,6 +40,9 @@ const KEYS: [(&str, &[(&str, &str)]); 4] = [
             ("G", "flat or smooth shading"),
             ("M", "patch borders"),
             ("Ctrl-click", "look into a patch"),
+            ("R", "its row of form factors on the scene, on or off"),
+            ("Backspace", "back to the patch before"),
+            ("J", "table of patches, worst first"),
         ],
     ),
     (
@@ -48,7 +51,7 @@ const KEYS: [(&str, &[(&str, &str)]); 4] = [
             ("Tab", "fold the panels away"),
             ("F6", "to the panels by keyboard; Tab goes on, Esc leaves"),
             ("Ctrl-O, F5", "open a file, load it again"),
-            ("F12", "save a picture"),
+            ("F12, Shift-F12", "save a picture, save radiance (EXR)"),
             ("Ctrl-Z, Ctrl-Shift-Z", "undo, redo"),
             ("F1", "this list"),
         ],

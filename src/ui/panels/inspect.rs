@@ -1,34 +1,12 @@
-//! A patch and its numbers, and the list of those that stand out.
+//! The patch looked into: its numbers, its row, what it sees, what lies beside it.
 
-use super::{Commands, Model, empty};
+use super::{Commands, Model, empty, hemicube, row};
 use crate::display::luminance;
 use crate::mesh::{Patch, Side};
 use crate::scene::{Scene, illuminance};
 use crate::ui::command::Command;
 use crate::ui::{theme, units};
 use egui::{Button, RichText};
-
-/// Lines in the list of patches that stand out.
-const LISTED: usize = 12;
-
-/// By what the list is sorted.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
-enum SortBy {
-    #[default]
-    Aspect,
-    Area,
-    Illuminance,
-    Luminance,
-}
-
-impl SortBy {
-    const ALL: [(Self, &str, &str); 4] = [
-        (Self::Aspect, "Aspect", "Longest extent squared over area"),
-        (Self::Area, "Area", "Largest first"),
-        (Self::Illuminance, "lx", "Brightest lit first"),
-        (Self::Luminance, "cd/m²", "Brightest first"),
-    ];
-}
 
 /// Shows the picked patch, or how to pick one, and the list.
 pub(in crate::ui) fn show(ui: &mut egui::Ui, model: &Model<'_>, out: &mut Commands) {
@@ -39,83 +17,53 @@ pub(in crate::ui) fn show(ui: &mut egui::Ui, model: &Model<'_>, out: &mut Comman
     if model.inspect_fresh {
         ui.scroll_to_cursor(Some(egui::Align::TOP));
     }
-    match model.inspected.and_then(|id| Some((id, mesh.patches.get(id as usize)?))) {
-        Some((id, patch)) => numbers(ui, model, scene, id, patch, out),
-        None => empty(ui, "Ctrl-click a surface to look into its patch."),
-    }
-    theme::group_title(ui, "Patches that stand out");
-    let id = ui.scope_id().with("sorted by");
-    let mut sort: SortBy = ui.data(|d| d.get_temp(id)).unwrap_or_default();
-    ui.horizontal(|ui| {
-        for (by, label, tip) in SortBy::ALL {
-            let button = Button::selectable(sort == by, label);
-            if ui.add(button).on_hover_text(tip).accessible_name(format!("Sort by {label}")).clicked() {
-                sort = by;
-            }
+    let Some((id, patch)) = model.inspected.and_then(|id| Some((id, mesh.patches.get(id as usize)?))) else {
+        empty(ui, "Ctrl-click a surface to look into its patch.");
+        if ui.button("Table of patches").on_hover_text("Those that stand out first (J)").clicked() {
+            out.push(Command::ToggleTable);
         }
-    });
-    ui.data_mut(|d| d.insert_temp(id, sort));
-    for (patch, value) in listed(ui, model, sort) {
-        let text = format!("{:>7}   {}", units::count(patch as usize), units::digits(value));
-        let button = Button::selectable(model.inspected == Some(patch), RichText::new(text).monospace());
-        if ui
-            .add(button)
-            .on_hover_text("Go there and look into it")
-            .accessible_name(format!("Patch {patch}"))
-            .clicked()
-        {
-            out.push(Command::JumpToPatch(patch));
-        }
-    }
-}
-
-/// The list as it was, or made anew where the sorting or the light has changed.
-fn listed(ui: &egui::Ui, model: &Model<'_>, sort: SortBy) -> Vec<(u32, f64)> {
-    type Kept = ((SortBy, u64), std::sync::Arc<Vec<(u32, f64)>>);
-    let (id, key) = (ui.scope_id().with("listed"), (sort, model.light_version));
-    if let Some((kept, list)) = ui.data(|d| d.get_temp::<Kept>(id))
-        && kept == key
-    {
-        return list.to_vec();
-    }
-    let list = worst(model, sort);
-    ui.data_mut(|d| d.insert_temp::<Kept>(id, (key, std::sync::Arc::new(list.clone()))));
-    list
-}
-
-fn worst(model: &Model<'_>, sort: SortBy) -> Vec<(u32, f64)> {
-    let Some(mesh) = model.mesh else { return Vec::new() };
-    let value = |index: usize| match sort {
-        SortBy::Aspect => model.aspect.get(index).copied().map_or(0.0, f64::from),
-        SortBy::Area => mesh.patches[index].area,
-        SortBy::Illuminance => {
-            model.light.irradiance.get(index).map_or(0.0, |h| illuminance(h.map(f64::from)))
-        }
-        SortBy::Luminance => model.light.radiosity.get(index).map_or(0.0, |b| luminance(*b)),
+        return;
     };
-    let mut all: Vec<(u32, f64)> = (0..mesh.patches.len()).map(|i| (i as u32, value(i))).collect();
-    let descending = |a: &(u32, f64), b: &(u32, f64)| b.1.total_cmp(&a.1).then(a.0.cmp(&b.0));
-    if all.len() > LISTED {
-        all.select_nth_unstable_by(LISTED, descending);
-        all.truncate(LISTED);
+    title(ui, model, id, out);
+    row::switch(ui, model, out);
+    ui.spacing_mut().item_spacing.y = 2.0;
+    headline(ui, model, scene, id, patch);
+    // The answer for the patch before stays until the new one is there, so that nothing jumps.
+    if let Some(inspection) = model.microscope.inspection() {
+        group(ui, "Hemicube", |ui| hemicube::show(ui, model, inspection, out));
+        group(ui, "Row of form factors", |ui| row::numbers(ui, model, inspection, out));
+        group(ui, "Where its light comes from", |ui| row::largest(ui, model, inspection, out));
+        group(ui, "Neighbours", |ui| row::neighbours(ui, model, inspection, out));
     }
-    all.sort_by(descending);
-    all
+    group(ui, "More numbers", |ui| numbers(ui, model, scene, id, patch));
 }
 
-fn numbers(ui: &mut egui::Ui, model: &Model<'_>, scene: &Scene, id: u32, patch: &Patch, out: &mut Commands) {
-    let index = id as usize;
+fn group(ui: &mut egui::Ui, title: &str, contents: impl FnOnce(&mut egui::Ui)) {
+    let heading = RichText::new(title).color(theme::TEXT);
+    egui::CollapsingHeader::new(heading).id_salt(title).default_open(true).show_unindented(ui, contents);
+}
+
+fn title(ui: &mut egui::Ui, model: &Model<'_>, id: u32, out: &mut Commands) {
     ui.horizontal(|ui| {
-        ui.label(RichText::new(format!("Patch {}", units::count(index))).strong().color(theme::ACCENT));
+        ui.label(RichText::new(format!("Patch {}", units::count(id as usize))).strong().color(theme::ACCENT));
         ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
             if ui.button("Clear").on_hover_text("Look into no patch (Esc)").clicked() {
                 out.push(Command::Inspect(None));
             }
-            if ui.button("Go there").clicked() {
+            if ui.button("Go there").on_hover_text("Glide to where it is seen well").clicked() {
                 out.push(Command::JumpToPatch(id));
+            }
+            let back = ui.add_enabled(model.can_go_back, Button::new("Back"));
+            if back.on_hover_text("To the patch looked into before (Backspace)").clicked() {
+                out.push(Command::PickBack);
             }
         });
     });
+}
+
+/// How bright it is, and what it is a part of.
+fn headline(ui: &mut egui::Ui, model: &Model<'_>, scene: &Scene, id: u32, patch: &Patch) {
+    let index = id as usize;
     let irradiance = model.light.irradiance.get(index).copied().unwrap_or_default();
     let radiosity = model.light.radiosity.get(index).copied().unwrap_or_default();
     theme::row(ui, "Illuminance", format!("{} lx", units::digits(illuminance(irradiance.map(f64::from)))));
@@ -127,6 +75,12 @@ fn numbers(ui: &mut egui::Ui, model: &Model<'_>, scene: &Scene, id: u32, patch: 
     if let Some(lamp) = patch.luminaire.and_then(|l| scene.luminaires.get(l as usize)) {
         theme::row(ui, "Lamp", lamp.name.as_str());
     }
+}
+
+fn numbers(ui: &mut egui::Ui, model: &Model<'_>, scene: &Scene, id: u32, patch: &Patch) {
+    let index = id as usize;
+    let irradiance = model.light.irradiance.get(index).copied().unwrap_or_default();
+    let radiosity = model.light.radiosity.get(index).copied().unwrap_or_default();
     let rho = model.reflectance.get(index).copied().unwrap_or(patch.reflectance.map(|r| r as f32));
     theme::row(ui, "Reflectance", bands(rho));
     theme::row(ui, "Irradiance H, W/m²", bands(irradiance));

@@ -81,7 +81,11 @@ fn file(ui: &mut egui::Ui, model: &Model<'_>, out: &mut Commands) {
     ui.separator();
     let lit = !model.light.radiosity.is_empty();
     for kind in [SaveKind::Screenshot, SaveKind::Hdr, SaveKind::PatchTable, SaveKind::LitMesh] {
-        let key = if kind == SaveKind::Screenshot { "F12" } else { "" };
+        let key = match kind {
+            SaveKind::Screenshot => "F12",
+            SaveKind::Hdr => "Shift-F12",
+            _ => "",
+        };
         item(ui, out, kind.title(), key, lit, Command::Save(kind));
     }
     let has_file = model.scene.is_some_and(|scene| matches!(scene.source, SceneSource::File(_)));
@@ -106,9 +110,7 @@ fn view(ui: &mut egui::Ui, model: &Model<'_>, out: &mut Commands) {
     ui.separator();
     let display = model.edits.display;
     for quantity in [Quantity::Picture, Quantity::Illuminance, Quantity::Luminance] {
-        let mut new = display;
-        new.quantity = quantity;
-        new.range = None;
+        let new = display.showing(quantity);
         let key = if quantity == Quantity::Illuminance { "L" } else { "" };
         item(ui, out, quantity.name(), key, true, Command::SetDisplay(new));
     }
@@ -144,11 +146,19 @@ fn mesh(ui: &mut egui::Ui, model: &Model<'_>, out: &mut Commands) {
         Quantity::Area,
         Quantity::Reflectance,
     ] {
-        let mut new = display;
-        new.quantity = quantity;
-        new.range = None;
-        item(ui, out, quantity.name(), "", true, Command::SetDisplay(new));
+        item(ui, out, quantity.name(), "", true, Command::SetDisplay(display.showing(quantity)));
     }
     ui.separator();
+    for quantity in
+        [Quantity::Escape, Quantity::Closure, Quantity::Reciprocity, Quantity::Residual, Quantity::Unshot]
+    {
+        item(ui, out, quantity.name(), "", true, Command::SetDisplay(display.showing(quantity)));
+    }
+    ui.separator();
+    let row = if display.quantity.is_row() { "Hide the row on the scene" } else { "Row on the scene" };
+    item(ui, out, row, "R", model.inspected.is_some(), Command::ToggleRow);
+    item(ui, out, "Back to the patch before", "Backspace", model.can_go_back, Command::PickBack);
+    let table = if model.state.table_open { "Hide the table of patches" } else { "Table of patches" };
+    item(ui, out, table, "J", true, Command::ToggleTable);
     item(ui, out, "Look into no patch", "Esc", model.inspected.is_some(), Command::Inspect(None));
 }

@@ -2,17 +2,22 @@
 
 pub(super) mod display;
 pub(super) mod help;
+mod hemicube;
 pub(super) mod inspect;
 pub(super) mod lights;
+mod list;
 pub(super) mod materials;
 pub(super) mod menu;
+mod row;
 pub(super) mod solver;
 pub(super) mod status;
+pub(super) mod table;
 pub(super) mod views;
 
 use super::command::Command;
+use super::microscope::Microscope;
 use super::state::{Edits, UiState};
-use crate::display::FalseColour;
+use crate::display::{Exposure, FalseColour};
 use crate::mesh::PatchMesh;
 use crate::scene::{Scene, View};
 use crate::session::Snapshot;
@@ -52,6 +57,16 @@ pub(super) struct Model<'a> {
     pub(super) inspected: Option<u32>,
     /// It was picked just now.
     pub(super) inspect_fresh: bool,
+    /// Whether another one was looked into before it.
+    pub(super) can_go_back: bool,
+    /// Its row and hemicube, and the maps of what is wrong.
+    pub(super) microscope: &'a Microscope,
+    /// The exposure that the picture is drawn with.
+    pub(super) exposure: Exposure,
+    /// What each band is multiplied with, so that eyes have adapted to the lamps.
+    pub(super) gains: [f32; 3],
+    /// The numbers that false colours show, one a patch.
+    pub(super) shown_values: &'a [f32],
     /// The lamp that stands alone.
     pub(super) solo: Option<usize>,
     /// Whether a state A is stored.
