@@ -11,6 +11,7 @@ mod pipelines;
 mod still;
 mod target;
 mod textures;
+mod tour;
 #[cfg(test)]
 mod tone_test;
 mod viewport;
@@ -20,4 +21,5 @@ pub use frame::{ColourSource, FrameInput};
 pub use gpu::{Gpu, GpuError, read_texture};
 pub use pick::{Pick, Picker};
 pub use still::{Still, StillInput, StillOptions, render_still};
+pub use tour::{Tour, WALK_SPEED, person_scale, walking_pace};
 pub use viewport::{UploadError, ViewportRenderer};

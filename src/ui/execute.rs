@@ -9,7 +9,7 @@ use super::panels::Commands;
 use super::picture::shading_of;
 use super::state::Edits;
 use super::{camera_control, units};
-use crate::display::Exposure;
+use crate::display::{Exposure, white_balance};
 use crate::geometry::Ray;
 use crate::scene::{LampState, Lighting, SceneSource, View};
 use crate::session::MaterialEdit;
@@ -343,6 +343,16 @@ impl App {
         }
     }
 
+    /// Factors per band of what is shown: eyes that have adapted to the lamps.
+    pub(super) fn gains(&self) -> [f32; 3] {
+        match &self.picture.prepared {
+            Some(prepared) if self.edits.display.white_balance => {
+                white_balance(&prepared.scene, &[&self.edits.lighting])
+            }
+            _ => [1.0; 3],
+        }
+    }
+
     /// Where a file of this kind would go.
     pub(super) fn suggested_path(&self, kind: SaveKind) -> PathBuf {
         let scene = self.picture.prepared.as_ref().map(|p| &p.scene);
@@ -373,6 +383,7 @@ impl App {
             shading: shading_of(self.edits.display.shading),
             exposure: self.exposure_in_force(),
             tone_map: self.edits.display.tone_map,
+            gains: self.gains(),
         };
         self.files.save(kind, path, job);
     }

@@ -7,6 +7,7 @@ use super::collision::Obstacles;
 use super::state::{DisplaySettings, Quantity, ShadingMode};
 use crate::display::{
     ColourMap, DisplayMesh, FalseColour, Shading, luminance, patch_illuminance, patch_luminance,
+    usual_lighting,
 };
 use crate::geometry::Aabb;
 use crate::mesh::{Patch, PatchMesh, Side};
@@ -233,25 +234,6 @@ impl Picture {
         corners
     }
 
-    /// Gains per band that turn the light of the lamps towards white: as much by the lamps as they
-    /// stand as by those of the file, as the exposure does.
-    pub(super) fn white_balance(&self, lighting: &Lighting) -> [f32; 3] {
-        let Some(prepared) = &self.prepared else { return [1.0; 3] };
-        // Chromaticity alone: of luminance one, black where nothing shines.
-        let colour_of = |lighting: &Lighting| {
-            let mut flux = [0.0; 3];
-            for (luminaire, lamp) in prepared.scene.luminaires.iter().zip(&lighting.lamps) {
-                for (sum, output) in flux.iter_mut().zip(lamp.output()) {
-                    *sum += output * luminaire.area;
-                }
-            }
-            let total = luminance_weighted(flux);
-            if total > 0.0 { flux.map(|f| f / total) } else { [0.0; 3] }
-        };
-        let (usual, now) = (colour_of(&usual_lighting(&prepared.scene)), colour_of(lighting));
-        white_gains(std::array::from_fn(|b| usual[b] + now[b]))
-    }
-
     /// False-colour values at the corners that are drawn.
     pub(super) fn corner_scalars(&self, values: &[f32], display: &DisplaySettings) -> Vec<f32> {
         // What belongs to a patch as a whole is not spread between patches.
@@ -259,29 +241,6 @@ impl Picture {
             if display.quantity.follows_light() { shading_of(display.shading) } else { Shading::Flat };
         self.prepared.as_ref().map_or_else(Vec::new, |p| p.display.corner_scalars(values, shading))
     }
-}
-
-/// The lamps as they come with the file; all of them on where none is.
-fn usual_lighting(scene: &Scene) -> Lighting {
-    let mut lighting = scene.lighting();
-    if lighting.lamps.iter().all(|lamp| !lamp.on) {
-        lighting.lamps.iter_mut().for_each(|lamp| lamp.on = true);
-    }
-    lighting
-}
-
-/// Share of the way to white that eyes adapt in a room lit by coloured light.
-const ADAPTATION: f64 = 0.65;
-
-/// Von Kries (1902) in the three bands, in part, and without a change of luminance.
-fn white_gains(flux: [f64; 3]) -> [f32; 3] {
-    let mean = luminance_weighted(flux);
-    if mean <= 0.0 || flux.iter().any(|&f| f <= 0.01 * mean) {
-        return [1.0; 3];
-    }
-    let gains = flux.map(|f| (mean / f).powf(ADAPTATION));
-    let after = luminance_weighted(std::array::from_fn(|b| gains[b] * flux[b]));
-    gains.map(|g| (g * mean / after) as f32)
 }
 
 /// The scale of a quantity: its pinned range, or one that fits.
@@ -303,22 +262,5 @@ pub(super) fn shading_of(mode: ShadingMode) -> Shading {
     match mode {
         ShadingMode::Smooth => Shading::Gouraud,
         ShadingMode::Flat => Shading::Flat,
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn warm_light_is_turned_towards_white_and_keeps_its_luminance() {
-        let warm = [2.0, 1.0, 0.35];
-        let gains = white_gains(warm).map(f64::from);
-        let after: [f64; 3] = std::array::from_fn(|b| warm[b] * gains[b]);
-        assert!((luminance_weighted(after) - luminance_weighted(warm)).abs() < 1e-6);
-        let ratio = after[0] / after[2];
-        assert!(ratio > 1.2 && ratio < 0.5 * warm[0] / warm[2], "still warm, but less so: {ratio}");
-        assert_eq!(white_gains([1.0; 3]), [1.0; 3]);
-        assert_eq!(white_gains([1.0, 0.0, 0.0]), [1.0; 3], "nobody adapts to one band");
     }
 }

@@ -143,12 +143,7 @@ impl App {
                 viewport.upload(|renderer, _, queue| renderer.set_scalars(queue, &corners));
             }
         } else {
-            let gains = if display.white_balance {
-                self.picture.white_balance(&self.edits.lighting)
-            } else {
-                [1.0; 3]
-            };
-            let corners = self.picture.corner_radiosity(display.shading, gains);
+            let corners = self.picture.corner_radiosity(display.shading, self.gains());
             if let Some(viewport) = &self.viewport {
                 viewport.upload(|renderer, _, queue| renderer.set_light(queue, &corners));
             }
