@@ -156,6 +156,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
     let tour = arguments.tour(&scene)?;
 
     let (solved, light) = solve(scene, &settings, &lighting)?;
+    let solve_seconds = start.elapsed().as_secs_f64();
     let outputs_start = Instant::now();
     let pictures = arguments.image.is_some() || arguments.tour.is_some() || arguments.mesh.is_some();
     if pictures {
@@ -186,7 +187,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
         let report = report::report(&solved, &settings, &lighting, &light, own, others.collect());
         export::write_report(path, &report)?;
     }
-    let mut told = summary(&solved, &settings, start.elapsed().as_secs_f64());
+    let mut told = summary(&solved, &settings, solve_seconds);
     for output in arguments.outputs() {
         told += &format!("wrote {}\n", output.display());
     }

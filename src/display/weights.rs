@@ -2,8 +2,9 @@ use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 use std::f64::consts::TAU;
 
-/// Below this many items a loop is not worth spreading over threads.
-pub(super) const PARALLEL_FROM: usize = 10_000;
+/// Below this many items a loop is not spread over threads: it takes a millisecond or two, and where
+/// the processors are busy with a solve, waiting for another thread can take many.
+pub(super) const PARALLEL_FROM: usize = 400_000;
 
 /// The angles around a vertex must reach this much of a full turn for it to lie inside a surface.
 const CLOSED_TURN: f64 = 0.98 * TAU;

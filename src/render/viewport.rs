@@ -47,8 +47,8 @@ struct UploadedMesh {
     size: f64,
     lit_corners: usize,
     corners: wgpu::Buffer,
-    light: wgpu::Buffer,
-    scalars: wgpu::Buffer,
+    present: Values,
+    stored: Values,
     indices: wgpu::Buffer,
     batches: Vec<Batch>,
     unlit: Range<u32>,
@@ -56,6 +56,30 @@ struct UploadedMesh {
     edge_indices: u32,
     /// One for each of the scene's textures.
     textures: Vec<wgpu::BindGroup>,
+}
+
+/// What colours the lit corners, one value a corner.
+struct Values {
+    light: wgpu::Buffer,
+    scalars: wgpu::Buffer,
+}
+
+impl Values {
+    /// Dark: fresh buffers are zero.
+    fn new(device: &wgpu::Device, corners: usize) -> Self {
+        let empty = |label, bytes: usize| {
+            device.create_buffer(&wgpu::BufferDescriptor {
+                label: Some(label),
+                size: bytes.max(16) as u64,
+                usage: wgpu::BufferUsages::VERTEX | wgpu::BufferUsages::COPY_DST,
+                mapped_at_creation: false,
+            })
+        };
+        Self {
+            light: empty("light", size_of::<[f32; 3]>() * corners),
+            scalars: empty("scalars", size_of::<f32>() * corners),
+        }
+    }
 }
 
 impl ViewportRenderer {
@@ -142,15 +166,6 @@ impl ViewportRenderer {
                 usage,
             })
         };
-        // Fresh buffers are zero: dark.
-        let empty = |label, bytes: usize| {
-            device.create_buffer(&wgpu::BufferDescriptor {
-                label: Some(label),
-                size: bytes.max(16) as u64,
-                usage: wgpu::BufferUsages::VERTEX | wgpu::BufferUsages::COPY_DST,
-                mapped_at_creation: false,
-            })
-        };
         let (vertex, index) = (wgpu::BufferUsages::VERTEX, wgpu::BufferUsages::INDEX);
         let largest = device.limits().max_texture_dimension_2d;
         self.mesh = Some(UploadedMesh {
@@ -158,8 +173,8 @@ impl ViewportRenderer {
             size: mesh.size,
             lit_corners: mesh.lit_corners,
             corners: buffer("corners", bytemuck::cast_slice(&corners), vertex),
-            light: empty("light", size_of::<[f32; 3]>() * mesh.lit_corners),
-            scalars: empty("scalars", size_of::<f32>() * mesh.lit_corners),
+            present: Values::new(device, mesh.lit_corners),
+            stored: Values::new(device, mesh.lit_corners),
             indices: buffer("triangles", bytemuck::cast_slice(&mesh.indices), index),
             batches: mesh.batches.clone(),
             unlit: mesh.unlit.clone(),
@@ -198,16 +213,28 @@ impl ViewportRenderer {
     /// that was set last. Values for corners that it does not have are dropped.
     pub fn set_light(&mut self, queue: &wgpu::Queue, corner_radiosity: &[[f32; 3]]) {
         if let Some(mesh) = &self.mesh {
-            let values = &corner_radiosity[..corner_radiosity.len().min(mesh.lit_corners)];
-            queue.write_buffer(&mesh.light, 0, bytemuck::cast_slice(values));
+            mesh.write(queue, &mesh.present.light, corner_radiosity);
         }
     }
 
     /// Sets what [`ColourSource::FalseColour`] shows: `DisplayMesh::corner_scalars`.
     pub fn set_scalars(&mut self, queue: &wgpu::Queue, corner_scalars: &[f32]) {
         if let Some(mesh) = &self.mesh {
-            let values = &corner_scalars[..corner_scalars.len().min(mesh.lit_corners)];
-            queue.write_buffer(&mesh.scalars, 0, bytemuck::cast_slice(values));
+            mesh.write(queue, &mesh.present.scalars, corner_scalars);
+        }
+    }
+
+    /// As [`ViewportRenderer::set_light`], for the part left of [`FrameInput::split`].
+    pub fn set_stored_light(&mut self, queue: &wgpu::Queue, corner_radiosity: &[[f32; 3]]) {
+        if let Some(mesh) = &self.mesh {
+            mesh.write(queue, &mesh.stored.light, corner_radiosity);
+        }
+    }
+
+    /// As [`ViewportRenderer::set_scalars`], for the part left of [`FrameInput::split`].
+    pub fn set_stored_scalars(&mut self, queue: &wgpu::Queue, corner_scalars: &[f32]) {
+        if let Some(mesh) = &self.mesh {
+            mesh.write(queue, &mesh.stored.scalars, corner_scalars);
         }
     }
 
@@ -299,34 +326,57 @@ impl ViewportRenderer {
             ..Default::default()
         });
         let Some(mesh) = &self.mesh else { return };
+        pass.set_bind_group(0, &self.frame_bindings, &[]);
+        let [width, height] = target.size_px;
+        let Some(split) = frame.split else {
+            self.draw_mesh(&mut pass, frame, mesh, &mesh.present, surfaces, lines);
+            return;
+        };
+        let border = (split.clamp(0.0, 1.0) * width as f32).round() as u32;
+        for (values, left, right) in [(&mesh.stored, 0, border), (&mesh.present, border, width)] {
+            if left < right {
+                pass.set_scissor_rect(left, 0, right - left, height);
+                self.draw_mesh(&mut pass, frame, mesh, values, surfaces, lines);
+            }
+        }
+    }
+
+    fn draw_mesh(
+        &self,
+        pass: &mut wgpu::RenderPass<'_>,
+        frame: &FrameInput,
+        mesh: &UploadedMesh,
+        values: &Values,
+        surfaces: Pass,
+        lines: Pass,
+    ) {
         let select = |pass: &mut wgpu::RenderPass<'_>, kind: Pass| {
             if let Some(pipeline) = self.pipelines.scene(scene_key(frame, kind)) {
                 pass.set_pipeline(pipeline);
             }
         };
-        pass.set_bind_group(0, &self.frame_bindings, &[]);
         pass.set_vertex_buffer(0, mesh.corners.slice(..));
-        let values = if surfaces == Pass::FalseColour { &mesh.scalars } else { &mesh.light };
-        pass.set_vertex_buffer(1, values.slice(..));
+        let coloured = if surfaces == Pass::FalseColour { &values.scalars } else { &values.light };
+        pass.set_vertex_buffer(1, coloured.slice(..));
         pass.set_index_buffer(mesh.indices.slice(..), wgpu::IndexFormat::Uint32);
         for batch in &mesh.batches {
             let bindings = batch.texture.and_then(|t| mesh.textures.get(t as usize));
             match bindings.filter(|_| surfaces == Pass::Plain) {
                 Some(bindings) => {
-                    select(&mut pass, Pass::Textured);
+                    select(pass, Pass::Textured);
                     pass.set_bind_group(1, bindings, &[]);
                 }
-                None => select(&mut pass, surfaces),
+                None => select(pass, surfaces),
             }
             pass.draw_indexed(batch.indices.clone(), 0, 0..1);
         }
         if frame.show_unlit && !mesh.unlit.is_empty() {
-            select(&mut pass, Pass::Unlit);
+            select(pass, Pass::Unlit);
             pass.draw_indexed(mesh.unlit.clone(), 0, 0..1);
         }
         if frame.wireframe && mesh.edge_indices > 0 {
-            select(&mut pass, lines);
-            pass.set_vertex_buffer(1, mesh.light.slice(..));
+            select(pass, lines);
+            pass.set_vertex_buffer(1, values.light.slice(..));
             pass.set_index_buffer(mesh.edges.slice(..), wgpu::IndexFormat::Uint32);
             pass.draw_indexed(0..mesh.edge_indices, 0, 0..1);
         }
@@ -388,6 +438,13 @@ impl ViewportRenderer {
         }
         queue.submit([scene, encoder.finish()]);
         read_texture(device, queue, &texture)
+    }
+}
+
+impl UploadedMesh {
+    fn write<T: bytemuck::NoUninit>(&self, queue: &wgpu::Queue, buffer: &wgpu::Buffer, values: &[T]) {
+        let values = &values[..values.len().min(self.lit_corners)];
+        queue.write_buffer(buffer, 0, bytemuck::cast_slice(values));
     }
 }
 

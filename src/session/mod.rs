@@ -2,6 +2,7 @@
 
 mod pipeline;
 mod recompute;
+mod threads;
 mod worker;
 
 pub use pipeline::{

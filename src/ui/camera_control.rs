@@ -167,6 +167,11 @@ impl CameraControl {
         self.settled = false;
     }
 
+    /// Whether it glides to a bookmark.
+    pub(super) fn is_travelling(&self) -> bool {
+        self.travel.is_some()
+    }
+
     /// Where the camera stands.
     pub(super) fn pose(&self) -> Pose {
         self.pose

@@ -1,5 +1,6 @@
 //! The picture inside the window: hands frames to the renderer, and draws none twice.
 
+use super::frame_clock::DrawTime;
 use crate::render::{FrameInput, ViewportRenderer};
 use eframe::egui_wgpu::{self, CallbackResources, RenderState};
 
@@ -16,16 +17,17 @@ struct Resources {
 pub(super) struct Viewport {
     state: RenderState,
     software: bool,
+    drawing: DrawTime,
 }
 
 impl Viewport {
-    /// Makes the pipelines.
-    pub(super) fn new(state: RenderState) -> Self {
+    /// Readies the drawing, which `drawing` counts from now on.
+    pub(super) fn new(state: RenderState, drawing: DrawTime) -> Self {
         let renderer = ViewportRenderer::new(&state.device, &state.queue, state.target_format);
         let resources = Resources { renderer, generation: 0, drawn: None };
         state.renderer.write().callback_resources.insert(resources);
         let software = state.adapter.get_info().device_type == wgpu::DeviceType::Cpu;
-        Self { state, software }
+        Self { state, software, drawing }
     }
 
     /// Whether the adapter is the processor itself: then edges are smoothed only at rest.
@@ -46,12 +48,16 @@ impl Viewport {
 
     /// Queues the frame for `rect`.
     pub(super) fn paint(&self, ui: &egui::Ui, rect: egui::Rect, frame: FrameInput) {
-        ui.painter().add(egui_wgpu::Callback::new_paint_callback(rect, Callback { frame }));
+        ui.painter().add(egui_wgpu::Callback::new_paint_callback(
+            rect,
+            Callback { frame, drawing: self.drawing.clone() },
+        ));
     }
 }
 
 struct Callback {
     frame: FrameInput,
+    drawing: DrawTime,
 }
 
 impl egui_wgpu::CallbackTrait for Callback {
@@ -71,7 +77,7 @@ impl egui_wgpu::CallbackTrait for Callback {
             return Vec::new();
         }
         *drawn = Some(wanted);
-        vec![renderer.prepare(device, queue, &self.frame)]
+        self.drawing.count(|| vec![renderer.prepare(device, queue, &self.frame)])
     }
 
     fn paint(

@@ -21,6 +21,7 @@ const KEYS: [(&str, &[(&str, &str)]); 4] = [
             ("Home", "start view"),
             ("[ and ]", "previous and next bookmark"),
             ("B", "store this view as a bookmark"),
+            ("T", "tour through the bookmarks"),
         ],
     ),
     (
@@ -37,6 +38,7 @@ const KEYS: [(&str, &[(&str, &str)]); 4] = [
         "Looking closer",
         &[
             ("L", "illuminance in false colours"),
+            ("C", "keep the light as A, and see it beside now"),
             ("G", "flat or smooth shading"),
             ("M", "patch borders"),
             ("Ctrl-click", "look into a patch"),
