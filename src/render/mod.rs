@@ -12,6 +12,7 @@ mod still;
 mod target;
 mod textures;
 mod tour;
+mod upload;
 #[cfg(test)]
 mod tone_test;
 mod viewport;
@@ -22,4 +23,5 @@ pub use gpu::{Gpu, GpuError, read_texture};
 pub use pick::{Pick, Picker};
 pub use still::{Still, StillInput, StillOptions, render_still};
 pub use tour::{Tour, WALK_SPEED, person_scale, walking_pace};
-pub use viewport::{UploadError, ViewportRenderer};
+pub use upload::{MeshUploader, UploadError, UploadedMesh};
+pub use viewport::ViewportRenderer;

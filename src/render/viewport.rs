@@ -1,29 +1,13 @@
 use super::frame::{ColourSource, FrameInput};
 use super::gpu::{GpuError, read_texture};
-use super::pipelines::{CornerVertex, FrameUniform, Pass, Pipelines, SceneKey};
+use super::pipelines::{FrameUniform, Pass, Pipelines, SceneKey};
 use super::target::Target;
 use super::textures;
-use crate::display::{Batch, DisplayMesh};
+use super::upload::{MeshUploader, UploadError, UploadedMesh, Values};
+use crate::display::DisplayMesh;
 use crate::mesh::NO_PATCH;
 use crate::scene::Texture;
 use glam::DVec3;
-use std::ops::Range;
-use wgpu::util::DeviceExt as _;
-
-/// Why a mesh cannot be drawn.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-pub enum UploadError {
-    /// A buffer would be larger than the device allows.
-    #[error(
-        "the mesh needs a buffer of {needed} bytes and the graphics device allows {allowed}; use larger patches"
-    )]
-    TooLarge {
-        /// Bytes of the largest buffer.
-        needed: u64,
-        /// What the device allows.
-        allowed: u64,
-    },
-}
 
 /// Draws a lit mesh with wgpu, into a panel of a window or into memory.
 ///
@@ -40,46 +24,6 @@ pub struct ViewportRenderer {
     texture_sampler: wgpu::Sampler,
     mesh: Option<UploadedMesh>,
     target: Option<Target>,
-}
-
-struct UploadedMesh {
-    origin: DVec3,
-    size: f64,
-    lit_corners: usize,
-    corners: wgpu::Buffer,
-    present: Values,
-    stored: Values,
-    indices: wgpu::Buffer,
-    batches: Vec<Batch>,
-    unlit: Range<u32>,
-    edges: wgpu::Buffer,
-    edge_indices: u32,
-    /// One for each of the scene's textures.
-    textures: Vec<wgpu::BindGroup>,
-}
-
-/// What colours the lit corners, one value a corner.
-struct Values {
-    light: wgpu::Buffer,
-    scalars: wgpu::Buffer,
-}
-
-impl Values {
-    /// Dark: fresh buffers are zero.
-    fn new(device: &wgpu::Device, corners: usize) -> Self {
-        let empty = |label, bytes: usize| {
-            device.create_buffer(&wgpu::BufferDescriptor {
-                label: Some(label),
-                size: bytes.max(16) as u64,
-                usage: wgpu::BufferUsages::VERTEX | wgpu::BufferUsages::COPY_DST,
-                mapped_at_creation: false,
-            })
-        };
-        Self {
-            light: empty("light", size_of::<[f32; 3]>() * corners),
-            scalars: empty("scalars", size_of::<f32>() * corners),
-        }
-    }
 }
 
 impl ViewportRenderer {
@@ -135,8 +79,21 @@ impl ViewportRenderer {
         }
     }
 
-    /// Uploads a mesh with the scene's textures; it is dark until light is set. On an error the
-    /// mesh before it stays.
+    /// What uploads meshes for this renderer, from any thread.
+    pub fn uploader(&self, device: &wgpu::Device, queue: &wgpu::Queue) -> MeshUploader {
+        let (layout, sampler) = (self.pipelines.texture_layout.clone(), self.texture_sampler.clone());
+        MeshUploader::new(device.clone(), queue.clone(), layout, sampler)
+    }
+
+    /// Draws this mesh from now on; it is dark until light is set. Takes no time to speak of.
+    pub fn adopt(&mut self, mesh: UploadedMesh) {
+        self.mesh = Some(mesh);
+    }
+
+    /// Uploads a mesh with the scene's textures and adopts it. On an error the mesh before it stays.
+    ///
+    /// # Errors
+    /// As [`MeshUploader::upload`].
     pub fn set_mesh(
         &mut self,
         device: &wgpu::Device,
@@ -144,69 +101,9 @@ impl ViewportRenderer {
         mesh: &DisplayMesh,
         textures: &[Texture],
     ) -> Result<(), UploadError> {
-        let corners: Vec<CornerVertex> = mesh
-            .corners
-            .iter()
-            .map(|c| CornerVertex {
-                position: c.position.to_array(),
-                normal: c.normal.to_array(),
-                uv: c.uv.to_array(),
-                patch: c.patch,
-            })
-            .collect();
-        let needed = size_of_val(&*corners).max(size_of_val(&*mesh.indices)) as u64;
-        let allowed = device.limits().max_buffer_size;
-        if needed > allowed {
-            return Err(UploadError::TooLarge { needed, allowed });
-        }
-        let buffer = |label, contents: &[u8], usage| {
-            device.create_buffer_init(&wgpu::util::BufferInitDescriptor {
-                label: Some(label),
-                contents,
-                usage,
-            })
-        };
-        let (vertex, index) = (wgpu::BufferUsages::VERTEX, wgpu::BufferUsages::INDEX);
-        let largest = device.limits().max_texture_dimension_2d;
-        self.mesh = Some(UploadedMesh {
-            origin: mesh.origin,
-            size: mesh.size,
-            lit_corners: mesh.lit_corners,
-            corners: buffer("corners", bytemuck::cast_slice(&corners), vertex),
-            present: Values::new(device, mesh.lit_corners),
-            stored: Values::new(device, mesh.lit_corners),
-            indices: buffer("triangles", bytemuck::cast_slice(&mesh.indices), index),
-            batches: mesh.batches.clone(),
-            unlit: mesh.unlit.clone(),
-            edges: buffer("patch borders", bytemuck::cast_slice(&mesh.edges), index),
-            edge_indices: 2 * mesh.edges.len() as u32,
-            textures: textures
-                .iter()
-                .map(|image| self.texture_bindings(device, queue, image, largest))
-                .collect(),
-        });
+        let uploaded = self.uploader(device, queue).upload(mesh, textures)?;
+        self.adopt(uploaded);
         Ok(())
-    }
-
-    fn texture_bindings(
-        &self,
-        device: &wgpu::Device,
-        queue: &wgpu::Queue,
-        image: &Texture,
-        largest: u32,
-    ) -> wgpu::BindGroup {
-        let view = textures::upload(device, queue, image, largest);
-        device.create_bind_group(&wgpu::BindGroupDescriptor {
-            label: Some("texture"),
-            layout: &self.pipelines.texture_layout,
-            entries: &[
-                wgpu::BindGroupEntry { binding: 0, resource: wgpu::BindingResource::TextureView(&view) },
-                wgpu::BindGroupEntry {
-                    binding: 1,
-                    resource: wgpu::BindingResource::Sampler(&self.texture_sampler),
-                },
-            ],
-        })
     }
 
     /// Sets what [`ColourSource::Radiosity`] shows: `DisplayMesh::corner_radiosity` of the mesh
@@ -438,13 +335,6 @@ impl ViewportRenderer {
         }
         queue.submit([scene, encoder.finish()]);
         read_texture(device, queue, &texture)
-    }
-}
-
-impl UploadedMesh {
-    fn write<T: bytemuck::NoUninit>(&self, queue: &wgpu::Queue, buffer: &wgpu::Buffer, values: &[T]) {
-        let values = &values[..values.len().min(self.lit_corners)];
-        queue.write_buffer(buffer, 0, bytemuck::cast_slice(values));
     }
 }
 

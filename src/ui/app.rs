@@ -102,12 +102,13 @@ impl App {
         theme::apply(&cc.egui_ctx);
         cc.egui_ctx.add_plugin(input::TabKey::default());
         let clock = FrameClock::default();
+        let viewport = cc.wgpu_render_state.clone().map(|state| Viewport::new(state, clock.drawing()));
         Self {
             snapshot: worker.latest(),
             worker,
             edits: Edits { display: DisplaySettings { split: false, ..state.display }, ..Edits::default() },
             history: History::default(),
-            picture: Picture::default(),
+            picture: Picture::new(viewport.as_ref().map(Viewport::uploader)),
             camera: None,
             views: Vec::new(),
             exposure: AutoExposure::default(),
@@ -121,7 +122,7 @@ impl App {
             files: Files::new(cc.egui_ctx.clone()),
             path_dialog: None,
             help_open: false,
-            viewport: cc.wgpu_render_state.clone().map(|state| Viewport::new(state, clock.drawing())),
+            viewport,
             view_rect: egui::Rect::ZERO,
             divider: 0.5,
             touring: None,

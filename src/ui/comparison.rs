@@ -64,8 +64,7 @@ impl App {
         let catch = Rect::from_center_size(Pos2::new(x, view.center().y), Vec2::new(CATCH, view.height()));
         let response = ui
             .interact(catch, ui.scope_id().with("divider"), Sense::click_and_drag())
-            .on_hover_cursor(CursorIcon::ResizeHorizontal)
-            .on_hover_text("Drag: A on the left, the light now on the right");
+            .on_hover_cursor(CursorIcon::ResizeHorizontal);
         let label = "Divider between A and now";
         response.widget_info(|| egui::WidgetInfo::slider(true, f64::from(100.0 * split), label));
         let mut to = split;

@@ -61,7 +61,7 @@ pub fn run(source: SceneSource, settings: SolveSettings) -> Result<(), UiError> 
             .with_app_id("lumenwalk")
             .with_title("Lumenwalk")
             .with_inner_size([1280.0, 800.0])
-            .with_min_inner_size([900.0, 560.0]),
+            .with_min_inner_size([800.0, 480.0]),
         renderer: eframe::Renderer::Wgpu,
         persist_window: true,
         ..Default::default()

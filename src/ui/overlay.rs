@@ -57,7 +57,11 @@ pub(super) fn notice(ui: &egui::Ui, view: Rect, notice: &Notice, out: &mut Comma
             let (word, colour) =
                 if notice.is_error { ("Error", theme::FAILURE) } else { ("Done", theme::DONE) };
             ui.label(RichText::new(word).strong().color(colour));
-            ui.add(egui::Label::new(RichText::new(&notice.text).color(Color32::from_gray(235))).wrap());
+            ui.scope(|ui| {
+                // Room for the button beside it.
+                ui.set_max_width((ui.available_width() - 74.0).max(60.0));
+                ui.add(egui::Label::new(RichText::new(&notice.text).color(Color32::from_gray(235))).wrap());
+            });
             if ui.button("Dismiss").clicked() {
                 out.push(Command::DismissMessage);
             }
@@ -85,9 +89,12 @@ pub(super) fn tour(ui: &egui::Ui, view: Rect, seconds: f64, all: f64) {
         ui.style_mut().interaction.selectable_labels = false;
         ui.horizontal(|ui| {
             ui.label(RichText::new("Tour").strong().color(theme::ACCENT));
+            let wide = view.width() > 520.0;
             let bar = egui::ProgressBar::new((seconds / all).clamp(0.0, 1.0) as f32);
-            ui.add(bar.desired_width(150.0).desired_height(7.0).fill(theme::ACCENT));
-            let text = format!("{seconds:.0} of {all:.0} s  -  move, click or Esc to stop");
+            let length = if wide { 150.0 } else { 70.0 };
+            ui.add(bar.desired_width(length).desired_height(7.0).fill(theme::ACCENT));
+            let how = if wide { "  -  move, click or Esc to stop" } else { "  -  Esc stops" };
+            let text = format!("{seconds:.0} of {all:.0} s{how}");
             ui.label(RichText::new(text).color(Color32::from_gray(235)));
         });
     });

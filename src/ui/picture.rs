@@ -14,7 +14,7 @@ use crate::display::{
 };
 use crate::geometry::Aabb;
 use crate::mesh::{Patch, PatchMesh, Side};
-use crate::render::Picker;
+use crate::render::{MeshUploader, Picker, UploadError, UploadedMesh};
 use crate::scene::{Lighting, Scene, luminance_weighted};
 use crate::session::Snapshot;
 use crate::solver::{LightBases, PatchLight};
@@ -65,6 +65,20 @@ fn aspect(mesh: &PatchMesh, patch: &Patch) -> f32 {
     if patch.area > 0.0 { (longest * longest / patch.area) as f32 } else { 0.0 }
 }
 
+/// What the helper thread makes of a mesh.
+struct Built {
+    prepared: Prepared,
+    uploaded: Option<Result<UploadedMesh, UploadError>>,
+}
+
+impl Built {
+    fn new(serial: u64, scene: Arc<Scene>, mesh: Arc<PatchMesh>, uploader: Option<&MeshUploader>) -> Self {
+        let prepared = Prepared::build(serial, scene, mesh);
+        let uploaded = uploader.map(|u| u.upload(&prepared.display, &prepared.scene.textures));
+        Self { prepared, uploaded }
+    }
+}
+
 /// What changed since the last look, for the caller to act on.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(super) struct News {
@@ -78,7 +92,11 @@ pub(super) struct News {
 #[derive(Default)]
 pub(super) struct Picture {
     pub(super) prepared: Option<Arc<Prepared>>,
-    building: Option<(u64, Receiver<Prepared>)>,
+    building: Option<(u64, Receiver<Built>)>,
+    /// Where there is a graphics card.
+    uploader: Option<MeshUploader>,
+    /// The mesh that came to the screen last, on its way to the renderer.
+    pub(super) uploaded: Option<Result<UploadedMesh, UploadError>>,
     bases: Option<Arc<LightBases>>,
     pub(super) reflectance: Arc<Vec<[f32; 3]>>,
     /// As the lamps stand.
@@ -90,6 +108,11 @@ pub(super) struct Picture {
 }
 
 impl Picture {
+    /// Nothing yet; meshes go to the graphics card through `uploader`.
+    pub(super) fn new(uploader: Option<MeshUploader>) -> Self {
+        Self { uploader, ..Self::default() }
+    }
+
     /// Takes over what the worker published; what it replaces goes to `reclaim`. `wake` is called from the helper thread once a new
     /// mesh is ready.
     pub(super) fn follow(
@@ -103,7 +126,8 @@ impl Picture {
         if let Some((serial, receiver)) = &self.building {
             match receiver.try_recv() {
                 // A mesh that is out of date already is not worth showing.
-                Ok(prepared) if *serial == snapshot.mesh_serial => {
+                Ok(Built { prepared, uploaded }) if *serial == snapshot.mesh_serial => {
+                    self.uploaded = uploaded;
                     reclaim.later(self.prepared.replace(Arc::new(prepared)));
                     self.building = None;
                     self.bases = None;
@@ -139,10 +163,11 @@ impl Picture {
             return;
         }
         let (scene, mesh) = (Arc::clone(scene), Arc::clone(mesh));
+        let uploader = self.uploader.clone();
         let (sender, receiver) = channel();
         let build = move || {
             // Nobody listens any more when the window has closed.
-            sender.send(Prepared::build(serial, scene, mesh)).ok();
+            sender.send(Built::new(serial, scene, mesh, uploader.as_ref())).ok();
             wake();
         };
         if std::thread::Builder::new().name("mesh for display".to_owned()).spawn(build).is_ok() {

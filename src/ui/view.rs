@@ -135,16 +135,17 @@ impl App {
 
     /// Brings mesh and light to the graphics card where they changed.
     fn upload(&mut self) {
-        let Some(prepared) = self.picture.prepared.clone() else { return };
         let display = self.edits.display;
+        if self.picture.prepared.is_none() {
+            return;
+        }
         if std::mem::take(&mut self.stale.mesh) {
-            let uploaded = self.viewport.as_ref().and_then(|viewport| {
-                viewport.upload(|renderer, device, queue| {
-                    renderer.set_mesh(device, queue, &prepared.display, &prepared.scene.textures)
-                })
-            });
-            if let Some(Err(error)) = uploaded {
-                self.complain(error.to_string());
+            match (self.picture.uploaded.take(), &self.viewport) {
+                (Some(Ok(mesh)), Some(viewport)) => {
+                    viewport.upload(|renderer, _, _| renderer.adopt(mesh));
+                }
+                (Some(Err(error)), _) => self.complain(error.to_string()),
+                _ => {}
             }
             self.stale.light = true;
         }

@@ -1,7 +1,7 @@
 //! The picture inside the window: hands frames to the renderer, and draws none twice.
 
 use super::frame_clock::DrawTime;
-use crate::render::{FrameInput, ViewportRenderer};
+use crate::render::{FrameInput, MeshUploader, ViewportRenderer};
 use eframe::egui_wgpu::{self, CallbackResources, RenderState};
 
 /// What lives on the graphics card between frames.
@@ -18,16 +18,23 @@ pub(super) struct Viewport {
     state: RenderState,
     software: bool,
     drawing: DrawTime,
+    uploader: MeshUploader,
 }
 
 impl Viewport {
     /// Readies the drawing, which `drawing` counts from now on.
     pub(super) fn new(state: RenderState, drawing: DrawTime) -> Self {
         let renderer = ViewportRenderer::new(&state.device, &state.queue, state.target_format);
+        let uploader = renderer.uploader(&state.device, &state.queue);
         let resources = Resources { renderer, generation: 0, drawn: None };
         state.renderer.write().callback_resources.insert(resources);
         let software = state.adapter.get_info().device_type == wgpu::DeviceType::Cpu;
-        Self { state, software, drawing }
+        Self { state, software, drawing, uploader }
+    }
+
+    /// What brings meshes to the graphics card, on any thread.
+    pub(super) fn uploader(&self) -> MeshUploader {
+        self.uploader.clone()
     }
 
     /// Whether the adapter is the processor itself: then edges are smoothed only at rest.

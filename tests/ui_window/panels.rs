@@ -363,6 +363,31 @@ fn an_error_is_read_and_the_scene_stays() {
 }
 
 #[test]
+fn nothing_is_cut_in_a_small_window() {
+    // What a screen of 1280 x 800 leaves at a scale of 1.5.
+    let worker = Counting::showing(solved());
+    let mut harness = window(&worker, false);
+    harness.set_size(egui::vec2(853.0, 533.0));
+    let sentence = "broken.obj, line 3: the face asks for vertex 9, and 2 of them stand above it; the file \
+        is cut off or damaged";
+    worker.publish(|s| (s.stage, s.error) = (Stage::Failed, Some(sentence.to_owned())));
+    harness.run_steps(4);
+    let view = harness.get_by_label("Scene view").rect();
+    for name in ["Error", sentence, "Dismiss"] {
+        let rect = harness.get_by_label(name).rect();
+        assert!(view.contains_rect(rect), "{name} at {rect:?} in a view at {view:?}");
+    }
+    click(&mut harness, "Dismiss");
+    press(&mut harness, Key::F1);
+    harness.run_steps(30);
+    let screen = egui::Rect::from_min_size(Pos2::ZERO, egui::vec2(853.0, 533.0));
+    for name in ["walk", "orbit around the point under the cursor", "this list"] {
+        let rect = harness.get_by_label(name).rect();
+        assert!(screen.contains_rect(rect), "{name} at {rect:?}");
+    }
+}
+
+#[test]
 fn at_rest_nothing_is_drawn_again() {
     let mut harness = window(&Counting::showing(solved()), false);
     harness.run_steps(60);
