@@ -49,6 +49,17 @@ fn display(criterion: &mut Criterion) {
     group.bench_function(format!("corner radiosity, {patches} patches"), |b| {
         b.iter(|| display.corner_radiosity(black_box(&light.radiosity), &light.irradiance, Shading::Gouraud));
     });
+    let gains = [0.9_f32, 1.0, 1.2];
+    group.bench_function(format!("lamp switch to upload, {patches} patches, {LAMPS} lamps"), |b| {
+        b.iter(|| {
+            let light = bases.mix(&mesh, black_box(&lighting), &reflectance);
+            let mut corners = display.corner_radiosity(&light.radiosity, &light.irradiance, Shading::Gouraud);
+            for corner in &mut corners {
+                *corner = std::array::from_fn(|band| corner[band] * gains[band]);
+            }
+            bytemuck::cast_slice::<_, u8>(&corners).to_vec()
+        });
+    });
     group.bench_function(format!("picker, {patches} patches"), |b| b.iter(|| Picker::new(&mesh)));
 
     let picker = Picker::new(&mesh);

@@ -14,5 +14,6 @@ pub mod session;
 pub mod display;
 pub mod render;
 pub mod export;
+pub mod outputs;
 pub mod ui;
 pub mod cli;

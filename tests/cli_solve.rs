@@ -146,6 +146,58 @@ fn every_output_is_written_and_they_agree_with_each_other() {
     assert!(ply.starts_with(b"ply\nformat binary_little_endian 1.0\n"));
 }
 
+/// Mean of the sRGB codes of a picture, 0 to 255.
+fn brightness(picture: &image::RgbImage) -> f64 {
+    let sum: f64 = picture.pixels().flat_map(|p| p.0).map(f64::from).sum();
+    sum / f64::from(3 * picture.width() * picture.height())
+}
+
+#[test]
+fn a_tour_is_written_frame_by_frame_and_does_not_flicker() {
+    let place = Workplace::with_room(0.5);
+    let said = place.fail(2, &["solve", "room.obj", "--patches", "200", "--tour", "frames"]);
+    assert!(said.contains("two bookmarks"), "{said}");
+    let second = "[[view]]\nname = \"Back\"\neye = [400, 1000, 400]\ntarget = [1000, 900, 2000]\nfov = 70\n";
+    place.put("room.toml", &format!("{}\n{second}", place.text("room.toml")));
+    let tour = ["solve", "room.obj", "--patches", "200", "--tour", "frames", "--fps", "5", "--size", "48x32"];
+    let told = place.succeed(&tour);
+    let mut names: Vec<String> = std::fs::read_dir(place.path("frames"))
+        .unwrap()
+        .map(|entry| entry.unwrap().file_name().into_string().unwrap())
+        .collect();
+    names.sort();
+    assert!(told.contains(&format!("wrote {} frames", names.len())), "{told}");
+    let expected: Vec<String> = (1..=names.len()).map(|k| format!("frame-{k:05}.png")).collect();
+    assert_eq!(names, expected);
+    assert!(names.len() > 10, "{told}");
+    let frames: Vec<image::RgbImage> =
+        names.iter().map(|name| image::open(place.path("frames").join(name)).unwrap().to_rgb8()).collect();
+    assert!(frames.iter().all(|frame| frame.dimensions() == (48, 32)));
+    let levels: Vec<f64> = frames.iter().map(brightness).collect();
+    let jump = levels.windows(2).map(|l| (l[1] - l[0]).abs()).fold(0.0, f64::max);
+    assert!(levels.iter().all(|&l| l > 40.0) && jump < 12.0, "{levels:?}");
+    assert_ne!(frames[0], frames[frames.len() - 1], "the camera went somewhere");
+    // A shorter tour into the same folder would seem to go on with frames of this one.
+    let shorter = ["solve", "room.obj", "--patches", "200", "--tour", "frames", "--fps", "1"];
+    assert!(place.fail(2, &shorter).contains("longer tour"));
+}
+
+#[test]
+fn pictures_are_adapted_to_the_lamps_and_radiance_is_not() {
+    let place = Workplace::with_room(0.5);
+    let lamp = |rgb: &str| place.text("room.toml").replace("[10, 20, 30]", rgb);
+    place.put("room.toml", &lamp("[30, 20, 8]"));
+    place.succeed(&["solve", "room.obj", "--patches", "200", "--image", "a.png", "--size", "48x32"]);
+    let picture = image::open(place.path("a.png")).unwrap().to_rgb8();
+    let band = |b: usize| {
+        let linear = |code: u8| (f64::from(code) / 255.0).powf(2.2);
+        picture.pixels().map(|p| linear(p.0[b])).sum::<f64>()
+    };
+    // Grey walls, inter-reflected: the light has the colour of the lamp, a ratio of 3.75.
+    let ratio = band(0) / band(2);
+    assert!(ratio > 1.1 && ratio < 2.3, "red over blue: {ratio}");
+}
+
 #[test]
 fn centres_of_the_table_can_be_gathered_at() {
     let place = Workplace::with_room(0.5);

@@ -15,6 +15,7 @@ mod report;
 mod scenes;
 mod solve;
 mod text;
+mod tour;
 mod window;
 
 use clap::{Parser, Subcommand};

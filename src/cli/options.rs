@@ -138,6 +138,12 @@ pub(super) fn field_of_view(text: &str) -> Result<f64, String> {
     if (5.0..=150.0).contains(&value) { Ok(value) } else { Err("it must lie between 5 and 150".into()) }
 }
 
+/// Frames a second.
+pub(super) fn frame_rate(text: &str) -> Result<f64, String> {
+    let value = finite(text)?;
+    if (0.1..=240.0).contains(&value) { Ok(value) } else { Err("it must lie between 0.1 and 240".into()) }
+}
+
 /// `X,Y,Z`.
 pub(super) fn place(text: &str) -> Result<DVec3, String> {
     let fields: Vec<&str> = text.split(',').collect();
@@ -189,6 +195,7 @@ mod tests {
         assert_eq!(dimming("Desk=left=0.3"), Ok(("Desk=left".into(), 0.3)));
         assert!(dimming("Desk").is_err() && dimming("=1").is_err() && dimming("Desk=1.5").is_err());
         assert!(tolerance("0").is_err() && tolerance("1").is_err() && tolerance("1e-4").is_ok());
+        assert!(frame_rate("0").is_err() && frame_rate("29.97") == Ok(29.97));
         assert!(field_of_view("4").is_err() && field_of_view("60").is_ok());
     }
 

@@ -29,6 +29,12 @@ impl ProgressLine {
         self.show("picture", || line("picture", share));
     }
 
+    /// Shows which frame of a tour is at work, 0 being the first, if it is time. `share` of the whole
+    /// is done, 0 to 1, after this time.
+    pub(super) fn tour(&mut self, index: usize, count: usize, share: f64, elapsed: Duration) {
+        self.show("tour", || describe_tour(index, count, share, elapsed.as_secs_f64()));
+    }
+
     fn show(&mut self, stage: &'static str, line: impl FnOnce() -> String) {
         let interval = Duration::from_millis(if self.terminal { 100 } else { 10_000 });
         if self.last.is_some_and(|(last, at)| last == stage && at.elapsed() < interval) {
@@ -72,6 +78,15 @@ fn line(stage: &str, share: f64) -> String {
     format!("{stage:<12} {:3.0} %", 100.0 * share.clamp(0.0, 1.0))
 }
 
+fn describe_tour(index: usize, count: usize, share: f64, elapsed: f64) -> String {
+    let mut line = line("tour", share);
+    line += &format!(", frame {} of {}", text::thousands(index + 1), text::thousands(count));
+    if share > 0.005 {
+        line += &format!(", {} left", text::seconds(elapsed * (1.0 / share.min(1.0) - 1.0)));
+    }
+    line
+}
+
 fn describe(
     stage: Stage,
     share: f64,
@@ -98,6 +113,12 @@ fn describe(
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_tour_tells_its_frame_and_the_time_left() {
+        let told = describe_tour(299, 1_200, 0.25, 30.0);
+        assert_eq!(told, "tour          25 %, frame 300 of 1,200, 90 s left");
+    }
 
     #[test]
     fn a_line_tells_stage_share_rows_and_time() {

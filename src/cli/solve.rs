@@ -1,17 +1,17 @@
 use super::failure::Failure;
 use super::lamps;
 use super::options::{self, SolveOptions};
-use super::picture::{self, PictureKind};
+use super::picture::{self, Studio};
 use super::progress::ProgressLine;
 use super::report::{self, OwnTimings};
 use super::text;
-use crate::export::{
-    self, ExportError, PatchRow, SurfacePoint, atomic, read_points, write_irradiance, write_patch_table,
-};
+use super::tour::{self, FrameFolder};
+use crate::export::{self, ExportError, SurfacePoint, atomic, read_points, write_irradiance};
+use crate::outputs::{LitScene, StillKind, save_patch_table};
 use crate::scene::{self, Lighting, Scene, SceneSource, Severity, View, illuminance};
 use crate::session::{self, Control, Progress, SolveSettings, Solved};
-use crate::solver::{PatchLight, patch_emission};
-use clap::Args;
+use crate::solver::PatchLight;
+use clap::{ArgGroup, Args};
 use glam::DVec3;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -20,6 +20,7 @@ use std::time::Instant;
 
 /// Compute the light of a scene without a window, and write pictures and tables
 #[derive(Args, Debug)]
+#[command(group = ArgGroup::new("pictures").args(["image", "tour"]).multiple(true))]
 pub(super) struct Arguments {
     /// An OBJ file, or builtin:NAME
     #[arg(value_name = "SCENE")]
@@ -50,11 +51,17 @@ pub(super) struct Arguments {
     #[arg(long, value_name = "DEG", value_parser = options::field_of_view, requires = "image")]
     fov: Option<f64>,
     /// Pixels across and down [default: 1280x800]
-    #[arg(long, value_name = "WxH", value_parser = options::size, requires = "image")]
+    #[arg(long, value_name = "WxH", value_parser = options::size, requires = "pictures")]
     size: Option<[u32; 2]>,
     /// Write a picture: tone-mapped as .png, or radiance with its layers as .exr
     #[arg(long, value_name = "OUT.png|OUT.exr")]
     image: Option<PathBuf>,
+    /// Walk through all bookmarks and write each frame into this folder, numbered, as .png
+    #[arg(long, value_name = "DIR")]
+    tour: Option<PathBuf>,
+    /// Frames a second of the tour [default: 30]
+    #[arg(long, value_name = "N", value_parser = options::frame_rate, requires = "tour")]
+    fps: Option<f64>,
     /// Write a table of all patches
     #[arg(long, value_name = "OUT.csv")]
     patch_table: Option<PathBuf>,
@@ -91,6 +98,28 @@ impl Arguments {
         Ok(())
     }
 
+    fn tour(&self, scene: &Scene) -> Result<Option<FrameFolder>, Failure> {
+        let fps = self.fps.unwrap_or(tour::DEFAULT_FPS);
+        self.tour.as_deref().map(|folder| FrameFolder::ready(folder, scene, fps)).transpose()
+    }
+
+    fn write_pictures(
+        &self,
+        studio: &Studio<'_>,
+        kind: Option<StillKind>,
+        view: &View,
+        tour: Option<&FrameFolder>,
+    ) -> Result<(), Failure> {
+        let size = self.size.unwrap_or(picture::DEFAULT_SIZE);
+        if let (Some(path), Some(kind)) = (&self.image, kind) {
+            studio.write_view(path, kind, view, size)?;
+        }
+        if let Some(path) = &self.mesh {
+            studio.write_mesh(path)?;
+        }
+        tour.map_or(Ok(()), |tour| tour.write(studio, size))
+    }
+
     fn view(&self, scene: &Scene) -> Result<View, Failure> {
         let mut view = match (self.eye, self.target, &self.view) {
             (Some(eye), Some(target), _) => {
@@ -115,7 +144,7 @@ pub(super) fn start_view(scene: &Scene) -> Result<View, Failure> {
 
 pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
     let start = Instant::now();
-    let kind = arguments.image.as_deref().map(PictureKind::of).transpose()?;
+    let kind = arguments.image.as_deref().map(picture::kind_of).transpose()?;
     arguments.options.set_threads()?;
     let scene = load(&arguments.scene)?;
     let load_seconds = start.elapsed().as_secs_f64();
@@ -124,18 +153,25 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
     let view = arguments.view(&scene)?;
     let points = arguments.points.as_deref().map(read_points).transpose()?;
     arguments.check_outputs()?;
+    let tour = arguments.tour(&scene)?;
 
     let (solved, light) = solve(scene, &settings, &lighting)?;
+    let solve_seconds = start.elapsed().as_secs_f64();
     let outputs_start = Instant::now();
-    if let (Some(path), Some(kind)) = (&arguments.image, kind) {
-        let size = arguments.size.unwrap_or(picture::DEFAULT_SIZE);
-        picture::write(path, kind, &solved, &light, &view, size)?;
+    let pictures = arguments.image.is_some() || arguments.tour.is_some() || arguments.mesh.is_some();
+    if pictures {
+        let studio = Studio::new(&solved, &lighting, &light);
+        arguments.write_pictures(&studio, kind, &view, tour.as_ref())?;
     }
     if let Some(path) = &arguments.patch_table {
-        patch_table(path, &solved, &lighting, &light)?;
-    }
-    if let Some(path) = &arguments.mesh {
-        picture::write_mesh(path, &solved, &light)?;
+        let lit = LitScene {
+            scene: &solved.scene,
+            mesh: &solved.mesh,
+            lighting: &lighting,
+            light: &light,
+            reflectance: &solved.reflectance,
+        };
+        save_patch_table(path, &lit)?;
     }
     if let (Some(points), Some(path)) = (&points, &arguments.irradiance) {
         let unit = solved.scene.unit.metres();
@@ -151,9 +187,12 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
         let report = report::report(&solved, &settings, &lighting, &light, own, others.collect());
         export::write_report(path, &report)?;
     }
-    let mut told = summary(&solved, &settings, start.elapsed().as_secs_f64());
+    let mut told = summary(&solved, &settings, solve_seconds);
     for output in arguments.outputs() {
         told += &format!("wrote {}\n", output.display());
+    }
+    if let Some(tour) = &tour {
+        told += &tour.told();
     }
     text::print(&told)
 }
@@ -218,32 +257,6 @@ pub(super) fn summary(solved: &Solved, settings: &SolveSettings, seconds: f64) -
         None => told += &format!("done in {}\n", text::seconds(seconds)),
     }
     told
-}
-
-fn patch_table(
-    path: &Path,
-    solved: &Solved,
-    lighting: &Lighting,
-    light: &PatchLight,
-) -> Result<(), ExportError> {
-    let scene = &solved.scene;
-    let per_metre = scene.unit.metres().recip();
-    let rows = solved.mesh.patches.iter().enumerate().map(|(id, patch)| {
-        let object = scene.surfaces.get(patch.surface as usize).map(|surface| surface.object as usize);
-        PatchRow {
-            id,
-            surface: object.and_then(|o| scene.objects.get(o)).map_or("", String::as_str),
-            material: scene.materials.get(patch.material as usize).map_or("", |m| m.name.as_str()),
-            centre: patch.centre * per_metre,
-            normal: patch.normal,
-            area: patch.area,
-            radiosity: light.radiosity.get(id).copied().unwrap_or_default(),
-            exitance: patch_emission(patch, lighting),
-            irradiance: light.irradiance.get(id).copied().unwrap_or_default(),
-            reflectance: solved.reflectance.get(id).copied().unwrap_or_default(),
-        }
-    });
-    write_patch_table(path, rows)
 }
 
 /// Gathers at points given in units of `unit` metres; `irradiance_at` takes positions in metres

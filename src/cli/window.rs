@@ -1,8 +1,9 @@
 use super::failure::Failure;
 use super::options::SolveOptions;
-use super::picture::{self, PictureKind};
+use super::picture::{self, Studio};
 use super::{solve, text};
 use crate::export::atomic;
+use crate::outputs::StillKind;
 use crate::scene::{self, LengthUnit, SceneError, SceneSource, builtin};
 use crate::ui::{UiError, run as open_window};
 use clap::Args;
@@ -65,7 +66,8 @@ fn headless(name: &str, options: &SolveOptions) -> Result<(), Failure> {
     atomic::probe(&path)?;
     let lighting = scene.lighting();
     let (solved, light) = solve::solve(scene, &settings, &lighting)?;
-    picture::write(&path, PictureKind::Png, &solved, &light, &view, picture::DEFAULT_SIZE)?;
+    let studio = Studio::new(&solved, &lighting, &light);
+    studio.write_view(&path, StillKind::Png, &view, picture::DEFAULT_SIZE)?;
     let summary = solve::summary(&solved, &settings, start.elapsed().as_secs_f64());
     text::print(&format!("{summary}wrote {}\n", path.display()))
 }

@@ -31,23 +31,36 @@ pub struct Tick {
 }
 
 impl FalseColour {
-    /// A range that fits `values`: up to their 99th percentile, rounded up to a round number;
-    /// from zero, or from a round number below the first percentile where `logarithmic`.
+    /// A range that fits `values`, one as much as the other; see [`FalseColour::fitted_by_area`].
+    pub fn fitted(map: ColourMap, logarithmic: bool, values: &[f32]) -> Self {
+        let even: Vec<(f32, f64)> = values.iter().map(|&v| (v, 1.0)).collect();
+        Self::fitted_by_area(map, logarithmic, &even)
+    }
+
+    /// A range that fits values, each with the area (or another weight, above zero) that has it: the
+    /// upper end is not exceeded on 97 % of the area, rounded up to a round number; the lower end is
+    /// zero, or a round number below the lowest hundredth of the area where `logarithmic`.
     /// [`ColourMap::BlueRed`] gets a range symmetric about zero. Values that are not finite, and
     /// [`NO_VALUE`], do not count; 0 to 1 where none is left.
-    pub fn fitted(map: ColourMap, logarithmic: bool, values: &[f32]) -> Self {
-        let mut sorted: Vec<f32> =
-            values.iter().copied().filter(|&v| v.is_finite() && v > NO_VALUE).collect();
-        if map == ColourMap::BlueRed {
-            sorted.iter_mut().for_each(|v| *v = v.abs());
-        }
+    pub fn fitted_by_area(map: ColourMap, logarithmic: bool, values: &[(f32, f64)]) -> Self {
+        let signed = map == ColourMap::BlueRed;
+        let mut sorted: Vec<(f32, f64)> = values
+            .iter()
+            .filter(|(v, area)| v.is_finite() && *v > NO_VALUE && *area > 0.0 && area.is_finite())
+            .map(|&(v, area)| (if signed { v.abs() } else { v }, area))
+            .collect();
         if logarithmic {
-            sorted.retain(|&v| v > 0.0);
+            sorted.retain(|(v, _)| *v > 0.0);
         }
-        sorted.sort_by(f32::total_cmp);
-        let at = |fraction: f64| {
-            let index = fraction * sorted.len().saturating_sub(1) as f64;
-            sorted.get(index.round() as usize).map_or(0.0, |&v| f64::from(v))
+        sorted.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let total: f64 = sorted.iter().map(|(_, area)| area).sum();
+        let at = |share: f64| {
+            let mut passed = 0.0;
+            let reaches = |&&(_, area): &&(f32, f64)| {
+                passed += area;
+                passed >= share * total
+            };
+            sorted.iter().find(reaches).or(sorted.last()).map_or(0.0, |&(v, _)| f64::from(v))
         };
         let high = round_up(at(0.97));
         let range = match map {
@@ -57,7 +70,7 @@ impl FalseColour {
             }
             ColourMap::Viridis => [0.0, high],
         };
-        Self { map, range, logarithmic: logarithmic && map != ColourMap::BlueRed }
+        Self { map, range, logarithmic: logarithmic && !signed }
     }
 
     /// The range in force: finite, rising, and above zero where logarithmic.
@@ -229,6 +242,17 @@ mod tests {
         assert_eq!(FalseColour::fitted(ColourMap::Viridis, false, &[]).range, [0.0, 1.0]);
         let log = FalseColour::fitted(ColourMap::Viridis, true, &[0.0, 3.0, 40.0, 300.0]);
         assert_eq!((log.range, log.logarithmic), ([1.0, 500.0], true));
+    }
+
+    #[test]
+    fn a_range_fits_areas_and_not_counts() {
+        // Many small bright patches on a lamp, few large ones on walls.
+        let lamp = (0..500).map(|_| (9_000.0, 1e-4));
+        let walls = (0..100).map(|i| (3.0 * i as f32, 0.5));
+        let values: Vec<(f32, f64)> = lamp.chain(walls).collect();
+        assert_eq!(FalseColour::fitted_by_area(ColourMap::Viridis, false, &values).range, [0.0, 500.0]);
+        let counted: Vec<f32> = values.iter().map(|v| v.0).collect();
+        assert_eq!(FalseColour::fitted(ColourMap::Viridis, false, &counted).range, [0.0, 10_000.0]);
     }
 
     #[test]

@@ -79,6 +79,8 @@ pub struct DisplayMesh {
     /// Texture drawn on each patch; `None` where it is drawn plain.
     patch_textures: Vec<Option<u32>>,
     weights: VertexWeights,
+    /// Patch and vertex of each lit corner, close together in memory.
+    sources: Vec<[u32; 2]>,
     textured: Vec<TexturedPatch>,
     patches: usize,
 }
@@ -104,6 +106,8 @@ impl DisplayMesh {
         let blocks = built.add_corners(mesh, smooth, &of_corner);
         built.add_triangles(mesh, &blocks);
         built.add_edges(mesh, &blocks);
+        let lit = &built.corners[..built.lit_corners];
+        built.sources = lit.iter().map(|corner| [corner.patch, corner.vertex]).collect();
         built
     }
 
@@ -284,15 +288,15 @@ impl DisplayMesh {
             Shading::Flat => Vec::new(),
             Shading::Gouraud => self.weights.gather(patch_values),
         };
-        let one = |corner: &DisplayCorner| match shading {
+        let one = |&[patch, vertex]: &[u32; 2]| match shading {
             Shading::Flat => {
-                let value = patch_values.get(corner.patch as usize).copied().unwrap_or([0.0; N]);
+                let value = patch_values.get(patch as usize).copied().unwrap_or([0.0; N]);
                 value.map(|x| if x.is_finite() { x } else { 0.0 })
             }
-            Shading::Gouraud => vertex_values[corner.vertex as usize],
+            Shading::Gouraud => vertex_values[vertex as usize],
         };
-        let lit = &self.corners[..self.lit_corners];
-        if lit.len() > PARALLEL_FROM {
+        let lit = &self.sources;
+        if lit.len() > 8 * PARALLEL_FROM {
             lit.par_iter().with_min_len(4096).map(one).collect()
         } else {
             lit.iter().map(one).collect()

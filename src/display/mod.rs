@@ -3,6 +3,7 @@
 //! Nothing here flows back: exposure and tone maps are applied to what is drawn and never to a
 //! stored radiosity.
 
+mod adaptation;
 mod colour_map;
 mod false_colour;
 mod mesh;
@@ -10,6 +11,7 @@ mod tone;
 mod vertices;
 mod weights;
 
+pub use adaptation::{usual_lighting, white_balance};
 pub use colour_map::{ColourMap, patch_colour};
 pub use false_colour::{FalseColour, NO_VALUE, Tick, patch_illuminance, patch_luminance};
 pub use mesh::{Batch, DisplayCorner, DisplayMesh, Shading};

@@ -2,8 +2,9 @@ use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 use std::f64::consts::TAU;
 
-/// Below this many items a loop is not worth spreading over threads.
-pub(super) const PARALLEL_FROM: usize = 10_000;
+/// Below this many vertices a loop is not spread over threads: it takes some milliseconds, and where
+/// the processors are busy with a solve, waiting for another thread can take many more.
+pub(super) const PARALLEL_FROM: usize = 50_000;
 
 /// The angles around a vertex must reach this much of a full turn for it to lie inside a surface.
 const CLOSED_TURN: f64 = 0.98 * TAU;
@@ -90,23 +91,39 @@ impl VertexWeights {
 
     /// Vertex values; a patch value that is missing or not finite counts as zero.
     pub(super) fn gather<const N: usize>(&self, patch_values: &[[f32; N]]) -> Vec<[f32; N]> {
+        let finite = |x: f32| if x.is_finite() { x } else { 0.0 };
+        let values: Vec<[f32; N]> = patch_values.iter().map(|v| v.map(finite)).collect();
+        let value_of = |patch: u32| values.get(patch as usize).copied().unwrap_or([0.0; N]);
         let one = |vertex: usize| {
             let entries = &self.entries[self.starts[vertex] as usize..self.starts[vertex + 1] as usize];
-            let touching = self.touching[vertex] as usize;
-            let value_of = |patch: u32, band: usize| {
-                let value = patch_values.get(patch as usize).map_or(0.0, |v| v[band]);
-                if value.is_finite() { value } else { 0.0 }
-            };
+            let (near, far) = entries.split_at(self.touching[vertex] as usize);
+            let (mut sum, mut mean) = ([0.0_f32; N], [0.0_f32; N]);
+            let (mut low, mut high) = ([f32::INFINITY; N], [f32::NEG_INFINITY; N]);
+            // Every value is fetched once for all bands: this loop bounds how fast a lamp switches.
+            for &(patch, weight) in near {
+                let value = value_of(patch);
+                for band in 0..N {
+                    sum[band] += weight * value[band];
+                    mean[band] += value[band];
+                    low[band] = low[band].min(value[band]);
+                    high[band] = high[band].max(value[band]);
+                }
+            }
+            for &(patch, weight) in far {
+                let value = value_of(patch);
+                for band in 0..N {
+                    sum[band] += weight * value[band];
+                }
+            }
             std::array::from_fn(|band| {
-                let sum: f32 = entries.iter().map(|&(patch, weight)| weight * value_of(patch, band)).sum();
-                let near = entries[..touching].iter().map(|e| value_of(e.0, band));
-                let (low, high) =
-                    near.clone().fold((f32::INFINITY, f32::NEG_INFINITY), |(l, h), x| (l.min(x), h.max(x)));
-                let mean = near.sum::<f32>() / touching.max(1) as f32;
-                let margin = middle_distance(entries[touching..].iter().map(|e| value_of(e.0, band)), mean);
+                if sum[band] >= low[band] && sum[band] <= high[band] {
+                    return sum[band];
+                }
+                let mean = mean[band] / near.len().max(1) as f32;
+                let margin = middle_distance(far.iter().map(|e| value_of(e.0)[band]), mean);
+                let low = low[band];
                 let floor = if low >= 0.0 { (low - margin).max(0.5 * low) } else { low - margin };
-                let held = sum.max(floor).min(high + margin);
-                if held.is_finite() { held } else { 0.0 }
+                finite(sum[band].max(floor).min(high[band] + margin))
             })
         };
         if self.len() > PARALLEL_FROM {

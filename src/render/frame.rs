@@ -36,6 +36,9 @@ pub struct FrameInput {
     pub show_unlit: bool,
     /// Display-linear colour where there is no surface, 0..1.
     pub background: [f32; 3],
+    /// Where the present light begins, as a share of the width from the left; left of it the stored
+    /// light is drawn. `None` draws the present light alone.
+    pub split: Option<f32>,
     /// Four samples a pixel. Worth it on any GPU; on a software adapter only at rest.
     pub multisample: bool,
 }
@@ -53,6 +56,7 @@ impl FrameInput {
             highlight: None,
             show_unlit: false,
             background: [0.02, 0.02, 0.022],
+            split: None,
             multisample: true,
         }
     }

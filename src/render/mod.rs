@@ -11,6 +11,8 @@ mod pipelines;
 mod still;
 mod target;
 mod textures;
+mod tour;
+mod upload;
 #[cfg(test)]
 mod tone_test;
 mod viewport;
@@ -20,4 +22,6 @@ pub use frame::{ColourSource, FrameInput};
 pub use gpu::{Gpu, GpuError, read_texture};
 pub use pick::{Pick, Picker};
 pub use still::{Still, StillInput, StillOptions, render_still};
-pub use viewport::{UploadError, ViewportRenderer};
+pub use tour::{Tour, WALK_SPEED, person_scale, walking_pace};
+pub use upload::{MeshUploader, UploadError, UploadedMesh};
+pub use viewport::ViewportRenderer;

@@ -33,14 +33,16 @@ pub struct StillOptions {
     pub exposure: Exposure,
     /// Tone map of [`Still::display`].
     pub tone_map: ToneMap,
+    /// Factors per band of [`Still::display`], above zero: eyes that have adapted to the lamps.
+    pub gains: [f32; 3],
     /// Display-linear colour where there is no surface, 0..1.
     pub background: [f32; 3],
 }
 
 impl StillOptions {
-    /// Four rays a pixel over a black background.
+    /// Four rays a pixel over a black background, for eyes adapted to white.
     pub fn new(size_px: [u32; 2], exposure: Exposure, tone_map: ToneMap) -> Self {
-        Self { size_px, samples: 2, exposure, tone_map, background: [0.0; 3] }
+        Self { size_px, samples: 2, exposure, tone_map, gains: [1.0; 3], background: [0.0; 3] }
     }
 }
 
@@ -138,7 +140,7 @@ impl StillInput<'_> {
         let samples = options.samples.max(1);
         let share = 1.0 / (samples * samples) as f32;
         let mut pixel = self.centre(camera, camera.ray(corner + 0.5, size_px));
-        let factor = options.exposure.factor();
+        let factors = options.gains.map(|gain| gain * options.exposure.factor());
         for sample in 0..samples * samples {
             let at = DVec2::new((sample % samples).into(), (sample / samples).into()) + 0.5;
             let ray = camera.ray(corner + at / f64::from(samples), size_px);
@@ -149,7 +151,11 @@ impl StillInput<'_> {
             let radiosity = self.radiosity(&pick);
             pixel.coverage += share;
             add(&mut pixel.radiance, radiosity, share / PI);
-            add(&mut pixel.display, options.tone_map.apply(radiosity.map(|b| b * factor)), share);
+            add(
+                &mut pixel.display,
+                options.tone_map.apply(std::array::from_fn(|b| radiosity[b] * factors[b])),
+                share,
+            );
         }
         pixel
     }

@@ -1,29 +1,13 @@
 use super::frame::{ColourSource, FrameInput};
 use super::gpu::{GpuError, read_texture};
-use super::pipelines::{CornerVertex, FrameUniform, Pass, Pipelines, SceneKey};
+use super::pipelines::{FrameUniform, Pass, Pipelines, SceneKey};
 use super::target::Target;
 use super::textures;
-use crate::display::{Batch, DisplayMesh};
+use super::upload::{MeshUploader, UploadError, UploadedMesh, Values};
+use crate::display::DisplayMesh;
 use crate::mesh::NO_PATCH;
 use crate::scene::Texture;
 use glam::DVec3;
-use std::ops::Range;
-use wgpu::util::DeviceExt as _;
-
-/// Why a mesh cannot be drawn.
-#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
-pub enum UploadError {
-    /// A buffer would be larger than the device allows.
-    #[error(
-        "the mesh needs a buffer of {needed} bytes and the graphics device allows {allowed}; use larger patches"
-    )]
-    TooLarge {
-        /// Bytes of the largest buffer.
-        needed: u64,
-        /// What the device allows.
-        allowed: u64,
-    },
-}
 
 /// Draws a lit mesh with wgpu, into a panel of a window or into memory.
 ///
@@ -40,22 +24,6 @@ pub struct ViewportRenderer {
     texture_sampler: wgpu::Sampler,
     mesh: Option<UploadedMesh>,
     target: Option<Target>,
-}
-
-struct UploadedMesh {
-    origin: DVec3,
-    size: f64,
-    lit_corners: usize,
-    corners: wgpu::Buffer,
-    light: wgpu::Buffer,
-    scalars: wgpu::Buffer,
-    indices: wgpu::Buffer,
-    batches: Vec<Batch>,
-    unlit: Range<u32>,
-    edges: wgpu::Buffer,
-    edge_indices: u32,
-    /// One for each of the scene's textures.
-    textures: Vec<wgpu::BindGroup>,
 }
 
 impl ViewportRenderer {
@@ -111,8 +79,21 @@ impl ViewportRenderer {
         }
     }
 
-    /// Uploads a mesh with the scene's textures; it is dark until light is set. On an error the
-    /// mesh before it stays.
+    /// What uploads meshes for this renderer, from any thread.
+    pub fn uploader(&self, device: &wgpu::Device, queue: &wgpu::Queue) -> MeshUploader {
+        let (layout, sampler) = (self.pipelines.texture_layout.clone(), self.texture_sampler.clone());
+        MeshUploader::new(device.clone(), queue.clone(), layout, sampler)
+    }
+
+    /// Draws this mesh from now on; it is dark until light is set. Takes no time to speak of.
+    pub fn adopt(&mut self, mesh: UploadedMesh) {
+        self.mesh = Some(mesh);
+    }
+
+    /// Uploads a mesh with the scene's textures and adopts it. On an error the mesh before it stays.
+    ///
+    /// # Errors
+    /// As [`MeshUploader::upload`].
     pub fn set_mesh(
         &mut self,
         device: &wgpu::Device,
@@ -120,94 +101,37 @@ impl ViewportRenderer {
         mesh: &DisplayMesh,
         textures: &[Texture],
     ) -> Result<(), UploadError> {
-        let corners: Vec<CornerVertex> = mesh
-            .corners
-            .iter()
-            .map(|c| CornerVertex {
-                position: c.position.to_array(),
-                normal: c.normal.to_array(),
-                uv: c.uv.to_array(),
-                patch: c.patch,
-            })
-            .collect();
-        let needed = size_of_val(&*corners).max(size_of_val(&*mesh.indices)) as u64;
-        let allowed = device.limits().max_buffer_size;
-        if needed > allowed {
-            return Err(UploadError::TooLarge { needed, allowed });
-        }
-        let buffer = |label, contents: &[u8], usage| {
-            device.create_buffer_init(&wgpu::util::BufferInitDescriptor {
-                label: Some(label),
-                contents,
-                usage,
-            })
-        };
-        // Fresh buffers are zero: dark.
-        let empty = |label, bytes: usize| {
-            device.create_buffer(&wgpu::BufferDescriptor {
-                label: Some(label),
-                size: bytes.max(16) as u64,
-                usage: wgpu::BufferUsages::VERTEX | wgpu::BufferUsages::COPY_DST,
-                mapped_at_creation: false,
-            })
-        };
-        let (vertex, index) = (wgpu::BufferUsages::VERTEX, wgpu::BufferUsages::INDEX);
-        let largest = device.limits().max_texture_dimension_2d;
-        self.mesh = Some(UploadedMesh {
-            origin: mesh.origin,
-            size: mesh.size,
-            lit_corners: mesh.lit_corners,
-            corners: buffer("corners", bytemuck::cast_slice(&corners), vertex),
-            light: empty("light", size_of::<[f32; 3]>() * mesh.lit_corners),
-            scalars: empty("scalars", size_of::<f32>() * mesh.lit_corners),
-            indices: buffer("triangles", bytemuck::cast_slice(&mesh.indices), index),
-            batches: mesh.batches.clone(),
-            unlit: mesh.unlit.clone(),
-            edges: buffer("patch borders", bytemuck::cast_slice(&mesh.edges), index),
-            edge_indices: 2 * mesh.edges.len() as u32,
-            textures: textures
-                .iter()
-                .map(|image| self.texture_bindings(device, queue, image, largest))
-                .collect(),
-        });
+        let uploaded = self.uploader(device, queue).upload(mesh, textures)?;
+        self.adopt(uploaded);
         Ok(())
-    }
-
-    fn texture_bindings(
-        &self,
-        device: &wgpu::Device,
-        queue: &wgpu::Queue,
-        image: &Texture,
-        largest: u32,
-    ) -> wgpu::BindGroup {
-        let view = textures::upload(device, queue, image, largest);
-        device.create_bind_group(&wgpu::BindGroupDescriptor {
-            label: Some("texture"),
-            layout: &self.pipelines.texture_layout,
-            entries: &[
-                wgpu::BindGroupEntry { binding: 0, resource: wgpu::BindingResource::TextureView(&view) },
-                wgpu::BindGroupEntry {
-                    binding: 1,
-                    resource: wgpu::BindingResource::Sampler(&self.texture_sampler),
-                },
-            ],
-        })
     }
 
     /// Sets what [`ColourSource::Radiosity`] shows: `DisplayMesh::corner_radiosity` of the mesh
     /// that was set last. Values for corners that it does not have are dropped.
     pub fn set_light(&mut self, queue: &wgpu::Queue, corner_radiosity: &[[f32; 3]]) {
         if let Some(mesh) = &self.mesh {
-            let values = &corner_radiosity[..corner_radiosity.len().min(mesh.lit_corners)];
-            queue.write_buffer(&mesh.light, 0, bytemuck::cast_slice(values));
+            mesh.write(queue, &mesh.present.light, corner_radiosity);
         }
     }
 
     /// Sets what [`ColourSource::FalseColour`] shows: `DisplayMesh::corner_scalars`.
     pub fn set_scalars(&mut self, queue: &wgpu::Queue, corner_scalars: &[f32]) {
         if let Some(mesh) = &self.mesh {
-            let values = &corner_scalars[..corner_scalars.len().min(mesh.lit_corners)];
-            queue.write_buffer(&mesh.scalars, 0, bytemuck::cast_slice(values));
+            mesh.write(queue, &mesh.present.scalars, corner_scalars);
+        }
+    }
+
+    /// As [`ViewportRenderer::set_light`], for the part left of [`FrameInput::split`].
+    pub fn set_stored_light(&mut self, queue: &wgpu::Queue, corner_radiosity: &[[f32; 3]]) {
+        if let Some(mesh) = &self.mesh {
+            mesh.write(queue, &mesh.stored.light, corner_radiosity);
+        }
+    }
+
+    /// As [`ViewportRenderer::set_scalars`], for the part left of [`FrameInput::split`].
+    pub fn set_stored_scalars(&mut self, queue: &wgpu::Queue, corner_scalars: &[f32]) {
+        if let Some(mesh) = &self.mesh {
+            mesh.write(queue, &mesh.stored.scalars, corner_scalars);
         }
     }
 
@@ -299,34 +223,57 @@ impl ViewportRenderer {
             ..Default::default()
         });
         let Some(mesh) = &self.mesh else { return };
+        pass.set_bind_group(0, &self.frame_bindings, &[]);
+        let [width, height] = target.size_px;
+        let Some(split) = frame.split else {
+            self.draw_mesh(&mut pass, frame, mesh, &mesh.present, surfaces, lines);
+            return;
+        };
+        let border = (split.clamp(0.0, 1.0) * width as f32).round() as u32;
+        for (values, left, right) in [(&mesh.stored, 0, border), (&mesh.present, border, width)] {
+            if left < right {
+                pass.set_scissor_rect(left, 0, right - left, height);
+                self.draw_mesh(&mut pass, frame, mesh, values, surfaces, lines);
+            }
+        }
+    }
+
+    fn draw_mesh(
+        &self,
+        pass: &mut wgpu::RenderPass<'_>,
+        frame: &FrameInput,
+        mesh: &UploadedMesh,
+        values: &Values,
+        surfaces: Pass,
+        lines: Pass,
+    ) {
         let select = |pass: &mut wgpu::RenderPass<'_>, kind: Pass| {
             if let Some(pipeline) = self.pipelines.scene(scene_key(frame, kind)) {
                 pass.set_pipeline(pipeline);
             }
         };
-        pass.set_bind_group(0, &self.frame_bindings, &[]);
         pass.set_vertex_buffer(0, mesh.corners.slice(..));
-        let values = if surfaces == Pass::FalseColour { &mesh.scalars } else { &mesh.light };
-        pass.set_vertex_buffer(1, values.slice(..));
+        let coloured = if surfaces == Pass::FalseColour { &values.scalars } else { &values.light };
+        pass.set_vertex_buffer(1, coloured.slice(..));
         pass.set_index_buffer(mesh.indices.slice(..), wgpu::IndexFormat::Uint32);
         for batch in &mesh.batches {
             let bindings = batch.texture.and_then(|t| mesh.textures.get(t as usize));
             match bindings.filter(|_| surfaces == Pass::Plain) {
                 Some(bindings) => {
-                    select(&mut pass, Pass::Textured);
+                    select(pass, Pass::Textured);
                     pass.set_bind_group(1, bindings, &[]);
                 }
-                None => select(&mut pass, surfaces),
+                None => select(pass, surfaces),
             }
             pass.draw_indexed(batch.indices.clone(), 0, 0..1);
         }
         if frame.show_unlit && !mesh.unlit.is_empty() {
-            select(&mut pass, Pass::Unlit);
+            select(pass, Pass::Unlit);
             pass.draw_indexed(mesh.unlit.clone(), 0, 0..1);
         }
         if frame.wireframe && mesh.edge_indices > 0 {
-            select(&mut pass, lines);
-            pass.set_vertex_buffer(1, mesh.light.slice(..));
+            select(pass, lines);
+            pass.set_vertex_buffer(1, values.light.slice(..));
             pass.set_index_buffer(mesh.edges.slice(..), wgpu::IndexFormat::Uint32);
             pass.draw_indexed(0..mesh.edge_indices, 0, 0..1);
         }

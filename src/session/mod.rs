@@ -3,6 +3,7 @@
 mod effect_costs;
 mod pipeline;
 mod recompute;
+mod threads;
 mod worker;
 
 pub use pipeline::{

@@ -4,11 +4,13 @@ use super::pipeline::{
     patch_reflectance, prepare, system,
 };
 use super::recompute::{Recompute, same_geometry};
+use super::threads;
 use crate::effects::EffectPlan;
 use crate::form_factors::{AssembleReport, FormFactors, RowComputer};
 use crate::mesh::PatchMesh;
 use crate::scene::{self, Scene, SceneSource};
 use crate::solver::{LightBases, SweepReport};
+use rayon::ThreadPool;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
@@ -126,7 +128,11 @@ pub struct Session {
 }
 
 impl Session {
-    /// Starts the thread. `on_news` is called from it after each published snapshot.
+    /// Starts the thread, and threads of its own to compute with. `on_news` is called after each
+    /// published snapshot, from one of them.
+    ///
+    /// # Errors
+    /// The system gives no threads.
     pub fn spawn(on_news: impl Fn() + Send + Sync + 'static) -> std::io::Result<Self> {
         let shared = Arc::new(Shared {
             wanted: Mutex::default(),
@@ -137,11 +143,19 @@ impl Session {
             quit: AtomicBool::new(false),
             latest: Mutex::default(),
         });
+        let pool = threads::solving().map_err(std::io::Error::other)?;
         let thread = std::thread::Builder::new().name("radiosity worker".to_owned()).spawn({
             let shared = shared.clone();
             move || {
-                Worker { shared, on_news: &on_news, snapshot: Snapshot::default(), state: State::default() }
-                    .run()
+                threads::stand_back();
+                let worker = Worker {
+                    shared,
+                    on_news: &on_news,
+                    snapshot: Snapshot::default(),
+                    state: State::default(),
+                    pool: &pool,
+                };
+                worker.run();
             }
         })?;
         Ok(Self { shared, thread: Some(thread) })
@@ -236,6 +250,8 @@ struct Worker<'a> {
     on_news: &'a (dyn Fn() + Send + Sync),
     snapshot: Snapshot,
     state: State,
+    /// Apart from the threads that the window draws with: a frame must not queue behind a row.
+    pool: &'a ThreadPool,
 }
 
 impl Worker<'_> {
@@ -257,7 +273,8 @@ impl Worker<'_> {
             }
             answered = wanted.generation;
             let clock = Instant::now();
-            let outcome = catch_unwind(AssertUnwindSafe(|| self.answer(&wanted)));
+            let pool = self.pool;
+            let outcome = catch_unwind(AssertUnwindSafe(|| pool.install(|| self.answer(&wanted))));
             match outcome {
                 Ok(Ok(done)) => {
                     self.snapshot.last_change = done.sentence(&wanted, clock.elapsed().as_secs_f64());

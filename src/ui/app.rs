@@ -4,13 +4,16 @@ use super::camera_control::CameraControl;
 use super::command::EditKey;
 use super::exposure::AutoExposure;
 use super::files::{FileNews, Files};
+use super::frame_clock::FrameClock;
 use super::history::History;
 use super::microscope::{Microscope, Shown};
 use super::overlay::{NOTICE_SECS, Notice};
 use super::panels::{self, Commands, Model};
 use super::path_dialog::{Answer, PathDialog};
 use super::picture::Picture;
+use super::reclaim::Reclaim;
 use super::state::{DisplaySettings, Edits, Quantity, UiState};
+use super::touring::Playing;
 use super::viewport::Viewport;
 use super::worker::Worker;
 use super::{input, theme};
@@ -63,6 +66,12 @@ pub struct App {
     pub(super) help_open: bool,
     pub(super) viewport: Option<Viewport>,
     pub(super) view_rect: egui::Rect,
+    /// Where the present light begins beside A, as a share of the width of the view.
+    pub(super) divider: f32,
+    /// The tour that plays.
+    pub(super) touring: Option<Playing>,
+    pub(super) clock: FrameClock,
+    pub(super) reclaim: Reclaim,
     /// Where an orbit started: the point under the cursor.
     pub(super) pivot: Option<glam::DVec3>,
     /// The mesh, its light or the display changed since the last upload.
@@ -106,12 +115,14 @@ impl App {
         }
         theme::apply(&cc.egui_ctx);
         cc.egui_ctx.add_plugin(input::TabKey::default());
+        let clock = FrameClock::default();
+        let viewport = cc.wgpu_render_state.clone().map(|state| Viewport::new(state, clock.drawing()));
         Self {
             snapshot: worker.latest(),
             worker,
-            edits: Edits { display: state.display, ..Edits::default() },
+            edits: Edits { display: DisplaySettings { split: false, ..state.display }, ..Edits::default() },
             history: History::default(),
-            picture: Picture::default(),
+            picture: Picture::new(viewport.as_ref().map(Viewport::uploader)),
             camera: None,
             views: Vec::new(),
             exposure: AutoExposure::default(),
@@ -130,8 +141,12 @@ impl App {
             files: Files::new(cc.egui_ctx.clone()),
             path_dialog: None,
             help_open: false,
-            viewport: cc.wgpu_render_state.clone().map(Viewport::new),
+            viewport,
             view_rect: egui::Rect::ZERO,
+            divider: 0.5,
+            touring: None,
+            clock,
+            reclaim: Reclaim::default(),
             pivot: None,
             stale: Stale::default(),
             screenshot: None,
@@ -198,13 +213,16 @@ impl App {
 
     /// Takes over what the worker and the helper threads have brought.
     fn listen(&mut self, ctx: &egui::Context) {
-        self.snapshot = self.worker.latest();
+        let before = std::mem::replace(&mut self.snapshot, self.worker.latest());
+        self.reclaim.later(before);
         let wake = ctx.clone();
-        let news = self.picture.follow(&self.snapshot, move || wake.request_repaint());
+        let wake = move || wake.request_repaint();
+        let news = self.picture.follow(&self.snapshot, &self.reclaim, wake);
         if news.mesh {
             self.adopt_scene();
         }
         if news.bases {
+            self.picture.settle_comparison();
             self.picture.relight(&self.edits.lighting);
             self.stale.light = true;
             self.stale.exposure = true;
@@ -382,6 +400,9 @@ impl App {
             shown_values: &self.shown_values,
             solo: self.solo.as_ref().map(|(lamp, _)| *lamp),
             has_comparison: self.picture.has_comparison(),
+            tour: self.touring.as_ref().map(Playing::progress),
+            can_tour: self.can_tour(),
+            longest_secs: self.clock.longest(),
             last_change: &self.last_change,
             can: [self.history.can_undo(), self.history.can_redo()],
             frame_secs: self.frame_secs,
@@ -412,11 +433,14 @@ impl App {
 
 impl eframe::App for App {
     fn logic(&mut self, ctx: &egui::Context, frame: &mut eframe::Frame) {
+        self.clock.begin_frame(&self.snapshot.stage);
         self.measure_costs(ctx, frame);
         self.listen(ctx);
+        self.clock.rest();
     }
 
     fn ui(&mut self, ui: &mut egui::Ui, _frame: &mut eframe::Frame) {
+        self.clock.resume();
         let mut out = Commands::new();
         if input::take_tab(ui.ctx()) {
             out.push(super::command::Command::TogglePanels);
@@ -438,6 +462,7 @@ impl eframe::App for App {
         if any {
             ui.ctx().request_repaint();
         }
+        self.clock.rest();
     }
 
     fn save(&mut self, storage: &mut dyn eframe::Storage) {

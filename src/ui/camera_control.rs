@@ -4,6 +4,7 @@
 //! are integrated in closed form, so that the way covered does not depend on the frame rate.
 
 use super::collision::{Body, Footing, Obstacles};
+use crate::render::walking_pace;
 use crate::scene::View;
 use glam::{DQuat, DVec3};
 use serde::{Deserialize, Serialize};
@@ -18,8 +19,6 @@ const EASE_STEP: f64 = 0.06;
 const TRAVEL_SECS: f64 = 0.45;
 /// Steepest look up or down, radians.
 const MAX_PITCH: f64 = 1.55;
-/// Speed of walking, m/s.
-const WALK_SPEED: f64 = 1.6;
 /// Running is this much faster.
 const RUN_FACTOR: f64 = 2.8;
 
@@ -113,8 +112,7 @@ impl CameraControl {
             body,
             footing: Footing { feet: view.eye, fall_speed: 0.0, grounded: false },
             eyes: body.eye_height,
-            // Large models are crossed in about half a minute, whatever their unit.
-            pace: (WALK_SPEED * body.scale()).max(if size > 60.0 { size / 40.0 } else { 0.0 }),
+            pace: walking_pace(height, size),
             travel: None,
             at_bookmark: true,
             land: false,
@@ -167,6 +165,11 @@ impl CameraControl {
         self.travel = Some(Travel { from: self.pose, to, seconds: 0.0 });
         self.velocity = DVec3::ZERO;
         self.settled = false;
+    }
+
+    /// Whether it glides to a bookmark.
+    pub(super) fn is_travelling(&self) -> bool {
+        self.travel.is_some()
     }
 
     /// Where the camera stands.
@@ -363,6 +366,7 @@ impl CameraControl {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::render::WALK_SPEED;
 
     fn view() -> View {
         View {

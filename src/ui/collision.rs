@@ -5,6 +5,7 @@
 //! themselves, which leaves the motion along them: that is the sliding.
 
 use crate::mesh::PatchMesh;
+use crate::render::person_scale;
 use glam::{DVec2, DVec3};
 
 /// Acceleration of a falling body, m/s².
@@ -33,7 +34,7 @@ impl Body {
     /// An adult, or one scaled to stand in a model of `room_height` metres that is too low for an
     /// adult (the Cornell box measures 0.55 m).
     pub(super) fn for_room(room_height: f64, eye_height: f64) -> Self {
-        let scale = if room_height < 2.2 && room_height > 0.0 { room_height / 2.6 } else { 1.0 };
+        let scale = person_scale(room_height);
         Self {
             radius: 0.22 * scale,
             eye_height: eye_height * scale,

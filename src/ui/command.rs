@@ -77,6 +77,10 @@ pub(super) enum Command {
     Redo,
     /// Keep the present light as state A of the comparison.
     StoreComparison,
+    /// Show state A beside the present light, or not; where there is none yet, keep one.
+    ToggleSplit,
+    /// Play the tour through the bookmarks, or end it.
+    ToggleTour,
     /// Glide to a bookmark.
     GoToView(usize),
     /// To the next (1) or previous (-1) bookmark.

@@ -9,7 +9,7 @@ use super::panels::Commands;
 use super::picture::shading_of;
 use super::state::{DisplaySettings, Edits, Quantity};
 use super::{camera_control, units};
-use crate::display::Exposure;
+use crate::display::{Exposure, white_balance};
 use crate::geometry::Ray;
 use crate::scene::{LampState, Lighting, SceneSource, View};
 use crate::session::MaterialEdit;
@@ -62,7 +62,12 @@ impl App {
             Command::Save(SaveKind::Screenshot) if self.viewport.is_none() => {}
             Command::Save(kind) => self.files.save_dialog(kind, &self.suggested_path(kind)),
             Command::QuickSave(kind) => self.save_to(kind, self.suggested_path(kind)),
-            Command::StoreComparison => self.picture.store_comparison(),
+            Command::StoreComparison => {
+                self.picture.store_comparison(&self.edits.lighting);
+                self.stale.light = true;
+            }
+            Command::ToggleSplit => self.toggle_split(ctx),
+            Command::ToggleTour => self.toggle_tour(),
             Command::GoToView(index) => self.go_to(index),
             Command::StepView(step) => self.step_view(step),
             Command::Home => {
@@ -73,6 +78,7 @@ impl App {
             Command::SaveSidecar => self.save_sidecar(),
             Command::SetMotion(motion) => {
                 self.state.motion = motion;
+                self.touring = None;
                 if let Some(camera) = &mut self.camera {
                     camera.set_motion(motion);
                 }
@@ -203,6 +209,7 @@ impl App {
         if before.display != self.edits.display {
             self.state.display = self.edits.display;
             self.stale.light = true;
+            self.stale.exposure |= before.display.split != self.edits.display.split;
         }
     }
 
@@ -311,6 +318,8 @@ impl App {
         self.stale.mesh = true;
         self.look_into(None);
         self.microscope.forget();
+        self.touring = None;
+        self.clock.forget();
         self.seen = Default::default();
         let scene = Arc::clone(&prepared.scene);
         if self.scene_shown.as_ref().is_some_and(|shown| Arc::ptr_eq(shown, &scene)) {
@@ -318,7 +327,7 @@ impl App {
         }
         let reloaded = self.scene_shown.as_ref().is_some_and(|shown| shown.source == scene.source);
         self.files.watch(Some(&scene.source));
-        self.edits = Edits::of_scene(&scene, self.edits.display);
+        self.edits = Edits::of_scene(&scene, DisplaySettings { split: false, ..self.edits.display });
         self.history.clear();
         self.solo = None;
         self.views.clone_from(&scene.views);
@@ -342,7 +351,28 @@ impl App {
         });
     }
 
+    /// Side by side and back; the first time the present light becomes A.
+    fn toggle_split(&mut self, ctx: &egui::Context) {
+        let mut display = self.edits.display;
+        if !self.picture.has_comparison() {
+            self.picture.store_comparison(&self.edits.lighting);
+            if !self.picture.has_comparison() {
+                return;
+            }
+            let text = "The light as it is was kept as A: switch lamps and see the difference".to_owned();
+            self.notice = Some(Notice { text, is_error: false, since: ctx.input(|i| i.time) });
+            display.split = false;
+        }
+        display.split = !display.split;
+        if display.split && !display.quantity.can_split() {
+            (display.quantity, display.range) = (Quantity::Picture, None);
+        }
+        self.apply(EditKey::Display, Edits { display, ..self.edits.clone() });
+        self.history.seal();
+    }
+
     fn go_to(&mut self, index: usize) {
+        self.touring = None;
         if let (Some(view), Some(camera)) = (self.views.get(index), &mut self.camera) {
             let pose = camera.pose_of(view);
             camera.travel_to(pose);
@@ -378,6 +408,7 @@ impl App {
         let Some(prepared) = self.picture.prepared.clone() else { return };
         let Some(target) = prepared.mesh.patches.get(patch as usize) else { return };
         self.look_into(Some(patch));
+        self.touring = None;
         let Some(camera) = &mut self.camera else { return };
         // A little off the normal: looking straight down has no heading.
         let aside =
@@ -406,6 +437,20 @@ impl App {
             Exposure { ev100: self.exposure.ev() }.brighter(display.compensation)
         } else {
             Exposure { ev100: display.ev }
+        }
+    }
+
+    /// Factors per band of what is shown: eyes that have adapted to the lamps.
+    pub(super) fn gains(&self) -> [f32; 3] {
+        match &self.picture.prepared {
+            Some(prepared) if self.edits.display.white_balance => {
+                let now = &self.edits.lighting;
+                match self.picture.kept().filter(|_| self.split().is_some()) {
+                    Some(kept) => white_balance(&prepared.scene, &[now, &kept.lighting]),
+                    None => white_balance(&prepared.scene, &[now]),
+                }
+            }
+            _ => [1.0; 3],
         }
     }
 
@@ -439,6 +484,7 @@ impl App {
             shading: shading_of(self.edits.display.shading),
             exposure: self.exposure_in_force(),
             tone_map: self.edits.display.tone_map,
+            gains: self.gains(),
         };
         self.files.save(kind, path, job);
     }

@@ -14,6 +14,15 @@ const ARRIVED: f64 = 0.005;
 /// Farthest that the lamps may pull the exposure from that of the file, stops.
 const REACH: f64 = 8.0;
 
+/// Luminances in cd/m² under a grid of rays over the view.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(super) struct Metered {
+    /// Of each state that is on screen: now, and A where it stands beside it.
+    pub(super) shown: Vec<Vec<f64>>,
+    /// With the lamps as they come with the file.
+    pub(super) usual: Vec<f64>,
+}
+
 /// The automatic exposure and where it is heading.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct AutoExposure {
@@ -30,12 +39,14 @@ impl Default for AutoExposure {
 }
 
 impl AutoExposure {
-    /// Measures what a view needs from luminances in cd/m² under a grid of rays: as the lamps stand,
-    /// and as they come with the file. With `at_once` the exposure jumps there, as it must when the
-    /// light changed; otherwise it eases.
-    pub(super) fn measure(&mut self, [now, usual]: &[Vec<f64>; 2], at_once: bool) {
-        let metered = |values: &[f64]| meter(values.iter().map(|&v| (v, 1.0))).map(|e| e.ev100);
-        let target = match (metered(now), metered(usual)) {
+    /// Measures what a view needs. Two states side by side share one exposure, midway between what
+    /// each needs, so that their brightness can be compared. With `at_once` the exposure jumps there,
+    /// as it must when the light changed; otherwise it eases.
+    pub(super) fn measure(&mut self, metered: &Metered, at_once: bool) {
+        let needed = |values: &Vec<f64>| meter(values.iter().map(|&v| (v, 1.0))).map(|e| e.ev100);
+        let shown: Vec<f64> = metered.shown.iter().filter_map(needed).collect();
+        let now = (!shown.is_empty()).then(|| shown.iter().sum::<f64>() / shown.len() as f64);
+        let target = match (now, needed(&metered.usual)) {
             (Some(now), Some(usual)) => usual + 0.5 * (now - usual).clamp(-REACH, REACH),
             (Some(ev), None) | (None, Some(ev)) => ev,
             (None, None) => return,
@@ -71,8 +82,18 @@ mod tests {
     use super::*;
 
     /// Luminances of a view in which everything is this bright, now and usually.
-    fn view(now: f64, usual: f64) -> [Vec<f64>; 2] {
-        [now, usual].map(|value| vec![value; 4])
+    fn view(now: f64, usual: f64) -> Metered {
+        Metered { shown: vec![vec![now; 4]], usual: vec![usual; 4] }
+    }
+
+    #[test]
+    fn two_states_side_by_side_meet_midway() {
+        let mut auto = AutoExposure::default();
+        auto.measure(&view(8.0, 8.0), true);
+        let before = auto.ev();
+        let both = Metered { shown: vec![vec![8.0; 4], vec![2.0; 4]], usual: vec![8.0; 4] };
+        auto.measure(&both, true);
+        assert!((auto.ev() - (before - 0.5)).abs() < 1e-6, "a quarter of two stops: {}", auto.ev());
     }
 
     #[test]

@@ -4,13 +4,12 @@
 use super::command::SaveKind;
 use super::picture::Prepared;
 use super::state::Edits;
-use crate::display::{Exposure, Shading, ToneMap, srgb_encode};
-use crate::export::{
-    ExportError, LitMesh, PatchRow, StillLayers, write_exr, write_patch_table, write_ply, write_png,
-};
-use crate::render::{Camera, StillInput, StillOptions, render_still};
+use crate::display::{Exposure, Shading, ToneMap};
+use crate::export::{ExportError, write_png};
+use crate::outputs::{LitScene, StillKind, StillLight, save_lit_mesh, save_patch_table, save_still};
+use crate::render::{Camera, StillOptions, render_still};
 use crate::scene::{Lighting, Scene, SceneSource, View, sidecar_path, write_sidecar};
-use crate::solver::{PatchLight, patch_emission};
+use crate::solver::PatchLight;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
@@ -51,6 +50,8 @@ pub(super) struct SaveJob {
     pub(super) shading: Shading,
     pub(super) exposure: Exposure,
     pub(super) tone_map: ToneMap,
+    /// Factors per band of what is shown.
+    pub(super) gains: [f32; 3],
 }
 
 /// The helper threads' end of the window.
@@ -137,9 +138,9 @@ impl Files {
     pub(super) fn save(&self, kind: SaveKind, path: PathBuf, job: SaveJob) {
         self.spawn("save", move || {
             let result = match kind {
-                SaveKind::Hdr | SaveKind::Screenshot => save_still(&path, &job),
-                SaveKind::PatchTable => save_patch_table(&path, &job),
-                SaveKind::LitMesh => save_lit_mesh(&path, &job),
+                SaveKind::Hdr | SaveKind::Screenshot => save_picture_of(&path, &job),
+                SaveKind::PatchTable => save_table(&path, &job),
+                SaveKind::LitMesh => save_mesh(&path, &job),
             };
             told(result, path)
         });
@@ -231,78 +232,31 @@ pub(super) fn pictures_folder() -> PathBuf {
     pictures.or(home.filter(|h| h.is_dir())).unwrap_or_else(|| PathBuf::from("."))
 }
 
-fn save_still(path: &Path, job: &SaveJob) -> Result<(), ExportError> {
-    let display = &job.prepared.display;
-    let input = StillInput {
-        mesh: display,
-        picker: &job.prepared.picker,
-        textures: &job.prepared.scene.textures,
-        corner_radiosity: &display.corner_radiosity(&job.light.radiosity, &job.light.irradiance, job.shading),
-        corner_irradiance: &display.corner_values(&job.light.irradiance, job.shading),
-    };
-    let options = StillOptions::new(job.size_px, job.exposure, job.tone_map);
-    let Some(still) = render_still(&input, &job.camera, &options, &|_| true) else { return Ok(()) };
-    if path.extension().is_some_and(|e| e.eq_ignore_ascii_case("png")) {
-        return write_png(path, still.width, still.height, &still.to_rgba8());
+fn save_picture_of(path: &Path, job: &SaveJob) -> Result<(), ExportError> {
+    let (prepared, kind) = (&job.prepared, StillKind::of(path).unwrap_or(StillKind::Exr));
+    let light = StillLight::new(&prepared.display, &job.light, job.shading);
+    let input = light.input(&prepared.display, &prepared.picker, &prepared.scene.textures);
+    let options =
+        StillOptions { gains: job.gains, ..StillOptions::new(job.size_px, job.exposure, job.tone_map) };
+    match render_still(&input, &job.camera, &options, &|_| true) {
+        Some(still) => save_still(path, kind, &still),
+        None => Ok(()),
     }
-    let layers = StillLayers {
-        width: still.width,
-        height: still.height,
-        radiance: &still.radiance,
-        irradiance: &still.irradiance,
-        patch: &still.patch_id,
-        normal: &still.normal,
-        depth: &still.depth,
-    };
-    write_exr(path, &layers)
 }
 
-fn save_patch_table(path: &Path, job: &SaveJob) -> Result<(), ExportError> {
-    let (scene, mesh) = (&job.prepared.scene, &job.prepared.mesh);
-    let per_metre = scene.unit.metres().recip();
-    let rows = mesh.patches.iter().enumerate().map(|(id, patch)| {
-        let object = scene.surfaces.get(patch.surface as usize).map(|surface| surface.object as usize);
-        PatchRow {
-            id,
-            surface: object.and_then(|o| scene.objects.get(o)).map_or("", String::as_str),
-            material: scene.materials.get(patch.material as usize).map_or("", |m| m.name.as_str()),
-            centre: patch.centre * per_metre,
-            normal: patch.normal,
-            area: patch.area,
-            radiosity: job.light.radiosity.get(id).copied().unwrap_or_default(),
-            exitance: patch_emission(patch, &job.lighting),
-            irradiance: job.light.irradiance.get(id).copied().unwrap_or_default(),
-            reflectance: job.reflectance.get(id).copied().unwrap_or_default(),
-        }
-    });
-    write_patch_table(path, rows)
+fn save_table(path: &Path, job: &SaveJob) -> Result<(), ExportError> {
+    let lit = LitScene {
+        scene: &job.prepared.scene,
+        mesh: &job.prepared.mesh,
+        lighting: &job.lighting,
+        light: &job.light,
+        reflectance: &job.reflectance,
+    };
+    save_patch_table(path, &lit)
 }
 
-fn save_lit_mesh(path: &Path, job: &SaveJob) -> Result<(), ExportError> {
-    let mesh = &job.prepared.display;
-    let lit = &mesh.corners[..mesh.lit_corners];
-    let radiosity = mesh.corner_values(&job.light.radiosity, job.shading);
-    let factor = job.exposure.factor();
-    let colour = |b: &[f32; 3]| {
-        let mapped = job.tone_map.apply(b.map(|value| value * factor));
-        mapped.map(|value| (srgb_encode(value) * 255.0).round() as u8)
-    };
-    let positions: Vec<[f32; 3]> =
-        lit.iter().map(|c| (c.position.as_dvec3() + mesh.origin).as_vec3().to_array()).collect();
-    let triangles: Vec<[u32; 3]> = mesh
-        .batches
-        .iter()
-        .flat_map(|b| mesh.indices[b.indices.start as usize..b.indices.end as usize].as_chunks::<3>().0)
-        .copied()
-        .collect();
-    let lit_mesh = LitMesh {
-        positions: &positions,
-        normals: &lit.iter().map(|c| c.normal.to_array()).collect::<Vec<_>>(),
-        radiosity: &radiosity,
-        colours: &radiosity.iter().map(colour).collect::<Vec<_>>(),
-        triangles: &triangles,
-    };
-    write_ply(path, &lit_mesh)
+fn save_mesh(path: &Path, job: &SaveJob) -> Result<(), ExportError> {
+    save_lit_mesh(path, &job.prepared.display, &job.light, job.shading, job.exposure, job.tone_map)
 }
 
 #[cfg(test)]

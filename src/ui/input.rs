@@ -98,9 +98,15 @@ pub(super) fn commands(ctx: &Context, model: &Model<'_>, help_open: bool, out: &
     }
     let pressed = |key: Key| ctx.input(|i| i.key_pressed(key) && !i.modifiers.command && !i.modifiers.alt);
     if pressed(Key::Escape) {
-        out.push(if help_open { Command::ToggleHelp } else { Command::Inspect(None) });
+        out.push(match model.tour {
+            _ if help_open => Command::ToggleHelp,
+            Some(_) => Command::ToggleTour,
+            None => Command::Inspect(None),
+        });
     }
     for (key, command) in [
+        (Key::C, Command::ToggleSplit),
+        (Key::T, Command::ToggleTour),
         (Key::Home, Command::Home),
         (Key::B, Command::StoreView),
         (Key::OpenBracket, Command::StepView(-1)),

@@ -9,9 +9,11 @@ mod camera_control;
 mod collision;
 mod colour;
 mod command;
+mod comparison;
 mod execute;
 mod exposure;
 mod files;
+mod frame_clock;
 mod history;
 mod input;
 mod legend;
@@ -21,8 +23,10 @@ mod overlay;
 mod panels;
 mod path_dialog;
 mod picture;
+mod reclaim;
 mod state;
 mod theme;
+mod touring;
 mod units;
 mod view;
 mod viewport;
@@ -35,6 +39,8 @@ pub use worker::Worker;
 
 use crate::scene::SceneSource;
 use crate::session::{Session, SolveSettings};
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, OnceLock};
 
 /// Why there is no window.
 #[derive(Debug, thiserror::Error)]
@@ -58,31 +64,35 @@ pub fn run(source: SceneSource, settings: SolveSettings) -> Result<(), UiError> 
             .with_app_id("lumenwalk")
             .with_title("Lumenwalk")
             .with_inner_size([1280.0, 800.0])
-            .with_min_inner_size([900.0, 560.0]),
+            .with_min_inner_size([800.0, 480.0]),
         renderer: eframe::Renderer::Wgpu,
         persist_window: true,
         ..Default::default()
     };
-    let opened = std::sync::Arc::new(std::sync::atomic::AtomicBool::new(false));
-    let has_opened = std::sync::Arc::clone(&opened);
+    // The solver is at work before there is a window; it wakes the window once there is one.
+    let wake = Arc::new(OnceLock::<egui::Context>::new());
+    let woken = Arc::clone(&wake);
+    let session = Session::spawn(move || {
+        if let Some(ctx) = woken.get() {
+            ctx.request_repaint();
+        }
+    });
+    let session = session.map_err(|error| UiError::Failed(error.to_string()))?;
+    session.set_settings(settings);
+    session.open(source.clone());
+    let opened = Arc::new(AtomicBool::new(false));
+    let has_opened = Arc::clone(&opened);
     let create: eframe::AppCreator<'_> = Box::new(move |cc| {
-        let ctx = cc.egui_ctx.clone();
-        let session = Session::spawn(move || ctx.request_repaint())?;
-        session.set_settings(settings);
-        session.open(source.clone());
+        wake.set(cc.egui_ctx.clone()).ok();
         let mut state = App::stored_state(cc.storage);
         if let SceneSource::File(path) = &source {
             state.remember(path);
         }
-        has_opened.store(true, std::sync::atomic::Ordering::Relaxed);
+        has_opened.store(true, Ordering::Relaxed);
         Ok(Box::new(App::new(cc, Box::new(session), state)))
     });
     eframe::run_native("Lumenwalk", options, create).map_err(|error| {
         let text = error.to_string();
-        if opened.load(std::sync::atomic::Ordering::Relaxed) {
-            UiError::Failed(text)
-        } else {
-            UiError::NoDisplay(text)
-        }
+        if opened.load(Ordering::Relaxed) { UiError::Failed(text) } else { UiError::NoDisplay(text) }
     })
 }

@@ -7,6 +7,7 @@ use super::{theme, units};
 use crate::display::{NO_VALUE, luminance};
 use crate::render::Pick;
 use crate::scene::illuminance;
+use crate::solver::PatchLight;
 use egui::{Align2, Area, Color32, Id, Order, Rect, RichText, Vec2};
 
 /// A message to the user.
@@ -57,7 +58,11 @@ pub(super) fn notice(ui: &egui::Ui, view: Rect, notice: &Notice, out: &mut Comma
             let (word, colour) =
                 if notice.is_error { ("Error", theme::FAILURE) } else { ("Done", theme::DONE) };
             ui.label(RichText::new(word).strong().color(colour));
-            ui.add(egui::Label::new(RichText::new(&notice.text).color(Color32::from_gray(235))).wrap());
+            ui.scope(|ui| {
+                // Room for the button beside it.
+                ui.set_max_width((ui.available_width() - 74.0).max(60.0));
+                ui.add(egui::Label::new(RichText::new(&notice.text).color(Color32::from_gray(235))).wrap());
+            });
             if ui.button("Dismiss").clicked() {
                 out.push(Command::DismissMessage);
             }
@@ -79,15 +84,33 @@ pub(super) fn waiting(ui: &egui::Ui, view: Rect, text: &str) {
     ui.painter_at(view).text(view.center(), Align2::CENTER_CENTER, text, font, theme::TEXT_WEAK);
 }
 
-/// The numbers of what lies under the cursor, in the lower left corner.
-pub(super) fn readout(ui: &egui::Ui, view: Rect, model: &Model<'_>, pick: &Pick) {
+/// How far a tour has come, and how it ends.
+pub(super) fn tour(ui: &egui::Ui, view: Rect, seconds: f64, all: f64) {
+    corner(ui, "tour", view, Align2::CENTER_TOP, |ui| {
+        ui.style_mut().interaction.selectable_labels = false;
+        ui.horizontal(|ui| {
+            ui.label(RichText::new("Tour").strong().color(theme::ACCENT));
+            let wide = view.width() > 520.0;
+            let bar = egui::ProgressBar::new((seconds / all).clamp(0.0, 1.0) as f32);
+            let length = if wide { 150.0 } else { 70.0 };
+            ui.add(bar.desired_width(length).desired_height(7.0).fill(theme::ACCENT));
+            let how = if wide { "  -  move, click or Esc to stop" } else { "  -  Esc stops" };
+            let text = format!("{seconds:.0} of {all:.0} s{how}");
+            ui.label(RichText::new(text).color(Color32::from_gray(235)));
+        });
+    });
+}
+
+/// The numbers of what lies under the cursor, in the lower left corner: of the light `kept` as A where
+/// the cursor is on its side, else of the present one.
+pub(super) fn readout(ui: &egui::Ui, view: Rect, model: &Model<'_>, pick: &Pick, kept: Option<&PatchLight>) {
+    let light = kept.unwrap_or(model.light);
     let (Some(scene), Some(mesh)) = (model.scene, model.mesh) else { return };
     let Some((id, patch)) = pick.patch.and_then(|id| Some((id as usize, mesh.patches.get(id as usize)?)))
     else {
         return;
     };
-    let (Some(irradiance), Some(radiosity)) = (model.light.irradiance.get(id), model.light.radiosity.get(id))
-    else {
+    let (Some(irradiance), Some(radiosity)) = (light.irradiance.get(id), light.radiosity.get(id)) else {
         return;
     };
     let lux = units::digits(illuminance(irradiance.map(f64::from)));
@@ -106,7 +129,7 @@ pub(super) fn readout(ui: &egui::Ui, view: Rect, model: &Model<'_>, pick: &Pick)
     let b = radiosity.map(|x| units::digits(f64::from(x))).join(" ");
     let patch = format!("patch {}  -  B {b} W/m²  -  {distance} {}", units::count(id), scene.unit.symbol());
     let mut lines = vec![
-        (format!("{lux} lx     {cd} cd/m²"), 17.0, theme::TEXT),
+        (format!("{}{lux} lx     {cd} cd/m²", if kept.is_some() { "A:  " } else { "" }), 17.0, theme::TEXT),
         (what, 11.5, theme::TEXT),
         (patch, 11.5, theme::TEXT_WEAK),
     ];

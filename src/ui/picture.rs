@@ -4,13 +4,17 @@
 //! whole. New light, from the worker or from a switched lamp, is one sum over light bases.
 
 use super::collision::Obstacles;
+use super::comparison::Kept;
+use super::exposure::Metered;
+use super::reclaim::Reclaim;
 use super::state::{DisplaySettings, Quantity, ShadingMode};
 use crate::display::{
     ColourMap, DisplayMesh, FalseColour, Shading, luminance, patch_illuminance, patch_luminance,
+    usual_lighting,
 };
 use crate::geometry::Aabb;
 use crate::mesh::{Patch, PatchMesh, Side};
-use crate::render::Picker;
+use crate::render::{MeshUploader, Picker, UploadError, UploadedMesh};
 use crate::scene::{Lighting, Scene, luminance_weighted};
 use crate::session::Snapshot;
 use crate::solver::{LightBases, PatchLight};
@@ -61,6 +65,20 @@ fn aspect(mesh: &PatchMesh, patch: &Patch) -> f32 {
     if patch.area > 0.0 { (longest * longest / patch.area) as f32 } else { 0.0 }
 }
 
+/// What the helper thread makes of a mesh.
+struct Built {
+    prepared: Prepared,
+    uploaded: Option<Result<UploadedMesh, UploadError>>,
+}
+
+impl Built {
+    fn new(serial: u64, scene: Arc<Scene>, mesh: Arc<PatchMesh>, uploader: Option<&MeshUploader>) -> Self {
+        let prepared = Prepared::build(serial, scene, mesh);
+        let uploaded = uploader.map(|u| u.upload(&prepared.display, &prepared.scene.textures));
+        Self { prepared, uploaded }
+    }
+}
+
 /// What changed since the last look, for the caller to act on.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(super) struct News {
@@ -74,28 +92,43 @@ pub(super) struct News {
 #[derive(Default)]
 pub(super) struct Picture {
     pub(super) prepared: Option<Arc<Prepared>>,
-    building: Option<(u64, Receiver<Prepared>)>,
+    building: Option<(u64, Receiver<Built>)>,
+    /// Where there is a graphics card.
+    uploader: Option<MeshUploader>,
+    /// The mesh that came to the screen last, on its way to the renderer.
+    pub(super) uploaded: Option<Result<UploadedMesh, UploadError>>,
     bases: Option<Arc<LightBases>>,
     pub(super) reflectance: Arc<Vec<[f32; 3]>>,
     /// As the lamps stand.
     pub(super) light: PatchLight,
     /// Grows with every change of `light`.
     pub(super) light_version: u64,
-    /// Illuminance of state A, lux, and the mesh that it belongs to.
-    comparison: Option<(u64, Vec<f32>)>,
+    /// State A.
+    comparison: Option<Kept>,
 }
 
 impl Picture {
-    /// Takes over what the worker published. `wake` is called from the helper thread once a new
+    /// Nothing yet; meshes go to the graphics card through `uploader`.
+    pub(super) fn new(uploader: Option<MeshUploader>) -> Self {
+        Self { uploader, ..Self::default() }
+    }
+
+    /// Takes over what the worker published; what it replaces goes to `reclaim`. `wake` is called from the helper thread once a new
     /// mesh is ready.
-    pub(super) fn follow(&mut self, snapshot: &Snapshot, wake: impl FnOnce() + Send + 'static) -> News {
+    pub(super) fn follow(
+        &mut self,
+        snapshot: &Snapshot,
+        reclaim: &Reclaim,
+        wake: impl FnOnce() + Send + 'static,
+    ) -> News {
         let mut news = News::default();
         self.start_building(snapshot, wake);
         if let Some((serial, receiver)) = &self.building {
             match receiver.try_recv() {
                 // A mesh that is out of date already is not worth showing.
-                Ok(prepared) if *serial == snapshot.mesh_serial => {
-                    self.prepared = Some(Arc::new(prepared));
+                Ok(Built { prepared, uploaded }) if *serial == snapshot.mesh_serial => {
+                    self.uploaded = uploaded;
+                    reclaim.later(self.prepared.replace(Arc::new(prepared)));
                     self.building = None;
                     self.bases = None;
                     self.light = PatchLight::default();
@@ -113,7 +146,7 @@ impl Picture {
                 _ => false,
             };
             if !same || !Arc::ptr_eq(&self.reflectance, &snapshot.reflectance) {
-                self.bases.clone_from(&snapshot.bases);
+                reclaim.later(std::mem::replace(&mut self.bases, snapshot.bases.clone()));
                 self.reflectance = Arc::clone(&snapshot.reflectance);
                 news.bases = true;
             }
@@ -130,10 +163,11 @@ impl Picture {
             return;
         }
         let (scene, mesh) = (Arc::clone(scene), Arc::clone(mesh));
+        let uploader = self.uploader.clone();
         let (sender, receiver) = channel();
         let build = move || {
             // Nobody listens any more when the window has closed.
-            sender.send(Prepared::build(serial, scene, mesh)).ok();
+            sender.send(Built::new(serial, scene, mesh, uploader.as_ref())).ok();
             wake();
         };
         if std::thread::Builder::new().name("mesh for display".to_owned()).spawn(build).is_ok() {
@@ -154,15 +188,18 @@ impl Picture {
         }
     }
 
-    /// Luminances in cd/m² of `seen` patches that are no lamps: as the lamps stand, and as they come
-    /// with the file (all of them on, where none is).
-    pub(super) fn metered(&self, seen: &[u32]) -> [Vec<f64>; 2] {
-        let (Some(prepared), Some(bases)) = (&self.prepared, &self.bases) else { return Default::default() };
+    /// Luminances in cd/m² of `seen` patches that are no lamps: as the lamps stand, under state A
+    /// where `with_kept`, and as they come with the file (all of them on, where none is).
+    pub(super) fn metered(&self, seen: &[u32], with_kept: bool) -> Metered {
+        let (Some(prepared), Some(bases)) = (&self.prepared, &self.bases) else { return Metered::default() };
         let usual = usual_lighting(&prepared.scene);
         let outputs: Vec<[f64; 3]> = usual.lamps.iter().map(|lamp| lamp.output()).collect();
         let lit = |&p: &u32| prepared.mesh.patches.get(p as usize).is_some_and(|p| p.luminaire.is_none());
         let patches = || seen.iter().filter(|p| lit(p)).map(|&p| p as usize);
-        let now = patches().filter_map(|p| Some(luminance(*self.light.radiosity.get(p)?))).collect();
+        let under = |light: &PatchLight| {
+            patches().filter_map(|p| Some(luminance(*light.radiosity.get(p)?))).collect::<Vec<f64>>()
+        };
+        let kept = self.kept().filter(|_| with_kept).map(|kept| under(&kept.light));
         let usual = patches().filter_map(|p| {
             let stride = bases.lamps * bases.bands;
             let values = bases.values.get(p * stride..(p + 1) * stride)?;
@@ -175,37 +212,48 @@ impl Picture {
             }
             Some(luminance(radiosity))
         });
-        [now, usual.collect()]
+        Metered { shown: [under(&self.light)].into_iter().chain(kept).collect(), usual: usual.collect() }
     }
 
-    /// Keeps the present illuminance as state A.
-    pub(super) fn store_comparison(&mut self) {
-        if let Some(prepared) = &self.prepared {
-            self.comparison = Some((prepared.mesh_serial, patch_illuminance(&self.light.irradiance)));
+    /// Keeps the present light as state A.
+    pub(super) fn store_comparison(&mut self, lighting: &Lighting) {
+        if let Some(prepared) = self.prepared.as_ref().filter(|_| !self.light.radiosity.is_empty()) {
+            let reflectance = Arc::clone(&self.reflectance);
+            let kept = Kept::new(prepared.mesh_serial, lighting.clone(), reflectance, self.light.clone());
+            self.comparison = Some(kept);
+        }
+    }
+
+    /// Lets state A follow a solution that has gone on.
+    pub(super) fn settle_comparison(&mut self) {
+        let (Some(prepared), Some(bases)) = (&self.prepared, &self.bases) else { return };
+        if let Some(kept) = self.comparison.as_mut().filter(|kept| kept.mesh_serial == prepared.mesh_serial) {
+            kept.settle(bases, &prepared.mesh, &self.reflectance);
         }
     }
 
     /// Whether a state A of this mesh is stored.
     pub(super) fn has_comparison(&self) -> bool {
-        self.comparison_values().is_some()
+        self.kept().is_some()
     }
 
-    fn comparison_values(&self) -> Option<&[f32]> {
-        let (serial, values) = self.comparison.as_ref()?;
-        (self.prepared.as_ref()?.mesh_serial == *serial).then_some(values.as_slice())
+    /// State A, where it is of this mesh.
+    pub(super) fn kept(&self) -> Option<&Kept> {
+        let serial = self.prepared.as_ref()?.mesh_serial;
+        self.comparison.as_ref().filter(|kept| kept.mesh_serial == serial)
     }
 
-    /// The values of a false-colour quantity, one a patch.
-    pub(super) fn scalars(&self, quantity: Quantity) -> Vec<f32> {
+    /// The values of a false-colour quantity under this light, one a patch.
+    pub(super) fn scalars(&self, quantity: Quantity, light: &PatchLight) -> Vec<f32> {
         let Some(prepared) = &self.prepared else { return Vec::new() };
         let patches = &prepared.mesh.patches;
         match quantity {
-            Quantity::Illuminance => patch_illuminance(&self.light.irradiance),
-            Quantity::Luminance => patch_luminance(&self.light.radiosity),
+            Quantity::Illuminance => patch_illuminance(&light.irradiance),
+            Quantity::Luminance => patch_luminance(&light.radiosity),
             Quantity::Difference => {
-                let stored = self.comparison_values().unwrap_or(&[]);
-                let now = patch_illuminance(&self.light.irradiance);
-                now.iter().zip(stored).map(|(now, stored)| now - stored).collect()
+                let stored = self.kept().map_or(Vec::new(), |kept| patch_illuminance(&kept.light.irradiance));
+                let now = patch_illuminance(&light.irradiance);
+                now.iter().zip(&stored).map(|(now, stored)| now - stored).collect()
             }
             Quantity::Reflectance => {
                 let rho = |r: &[f32; 3]| luminance_weighted(r.map(f64::from)) as f32;
@@ -221,10 +269,15 @@ impl Picture {
         }
     }
 
-    /// Radiosities at the corners that are drawn, each band times its gain.
-    pub(super) fn corner_radiosity(&self, shading: ShadingMode, gains: [f32; 3]) -> Vec<[f32; 3]> {
+    /// Radiosities of a light at the corners that are drawn, each band times its gain.
+    pub(super) fn corner_radiosity(
+        &self,
+        light: &PatchLight,
+        shading: ShadingMode,
+        gains: [f32; 3],
+    ) -> Vec<[f32; 3]> {
         let Some(prepared) = &self.prepared else { return Vec::new() };
-        let (radiosity, irradiance) = (&self.light.radiosity, &self.light.irradiance);
+        let (radiosity, irradiance) = (&light.radiosity, &light.irradiance);
         let mut corners = prepared.display.corner_radiosity(radiosity, irradiance, shading_of(shading));
         if gains != [1.0; 3] {
             for corner in &mut corners {
@@ -234,23 +287,10 @@ impl Picture {
         corners
     }
 
-    /// Gains per band that turn the light of the lamps towards white: as much by the lamps as they
-    /// stand as by those of the file, as the exposure does.
-    pub(super) fn white_balance(&self, lighting: &Lighting) -> [f32; 3] {
-        let Some(prepared) = &self.prepared else { return [1.0; 3] };
-        // Chromaticity alone: of luminance one, black where nothing shines.
-        let colour_of = |lighting: &Lighting| {
-            let mut flux = [0.0; 3];
-            for (luminaire, lamp) in prepared.scene.luminaires.iter().zip(&lighting.lamps) {
-                for (sum, output) in flux.iter_mut().zip(lamp.output()) {
-                    *sum += output * luminaire.area;
-                }
-            }
-            let total = luminance_weighted(flux);
-            if total > 0.0 { flux.map(|f| f / total) } else { [0.0; 3] }
-        };
-        let (usual, now) = (colour_of(&usual_lighting(&prepared.scene)), colour_of(lighting));
-        white_gains(std::array::from_fn(|b| usual[b] + now[b]))
+    /// Values of patches with the areas that have them, m².
+    pub(super) fn with_areas<'a>(&'a self, values: &'a [f32]) -> impl Iterator<Item = (f32, f64)> + 'a {
+        let patches = self.prepared.iter().flat_map(|p| &p.mesh.patches);
+        values.iter().copied().zip(patches.map(|p| p.area))
     }
 
     /// False-colour values at the corners that are drawn.
@@ -262,39 +302,17 @@ impl Picture {
     }
 }
 
-/// The lamps as they come with the file; all of them on where none is.
-fn usual_lighting(scene: &Scene) -> Lighting {
-    let mut lighting = scene.lighting();
-    if lighting.lamps.iter().all(|lamp| !lamp.on) {
-        lighting.lamps.iter_mut().for_each(|lamp| lamp.on = true);
-    }
-    lighting
-}
-
-/// Share of the way to white that eyes adapt in a room lit by coloured light.
-const ADAPTATION: f64 = 0.65;
-
-/// Von Kries (1902) in the three bands, in part, and without a change of luminance.
-fn white_gains(flux: [f64; 3]) -> [f32; 3] {
-    let mean = luminance_weighted(flux);
-    if mean <= 0.0 || flux.iter().any(|&f| f <= 0.01 * mean) {
-        return [1.0; 3];
-    }
-    let gains = flux.map(|f| (mean / f).powf(ADAPTATION));
-    let after = luminance_weighted(std::array::from_fn(|b| gains[b] * flux[b]));
-    gains.map(|g| (g * mean / after) as f32)
-}
-
 /// Least value that the scale of a row tells apart, of its largest.
 const ROW_DECADES: f64 = 1e-3;
 
-/// The scale of a quantity: its pinned range, or one that fits.
-pub(super) fn scale(display: &DisplaySettings, values: &[f32]) -> FalseColour {
+/// The scale of a quantity for these values, each with the area that has it: its pinned range, or one
+/// that fits.
+pub(super) fn scale(display: &DisplaySettings, values: &[(f32, f64)]) -> FalseColour {
     let map = if display.quantity.is_signed() { ColourMap::BlueRed } else { ColourMap::Viridis };
     let mut scale = match display.quantity {
         Quantity::Reflectance => FalseColour { map, range: [0.0, 1.0], logarithmic: false },
         Quantity::Sides => FalseColour { map, range: [-1.0, 1.0], logarithmic: false },
-        _ => FalseColour::fitted(map, display.logarithmic, values),
+        _ => FalseColour::fitted_by_area(map, display.logarithmic, values),
     };
     if display.quantity.is_row() && scale.logarithmic {
         // Slivers of what is hardly seen must not take the colours of what is.
@@ -310,22 +328,5 @@ pub(super) fn shading_of(mode: ShadingMode) -> Shading {
     match mode {
         ShadingMode::Smooth => Shading::Gouraud,
         ShadingMode::Flat => Shading::Flat,
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn warm_light_is_turned_towards_white_and_keeps_its_luminance() {
-        let warm = [2.0, 1.0, 0.35];
-        let gains = white_gains(warm).map(f64::from);
-        let after: [f64; 3] = std::array::from_fn(|b| warm[b] * gains[b]);
-        assert!((luminance_weighted(after) - luminance_weighted(warm)).abs() < 1e-6);
-        let ratio = after[0] / after[2];
-        assert!(ratio > 1.2 && ratio < 0.5 * warm[0] / warm[2], "still warm, but less so: {ratio}");
-        assert_eq!(white_gains([1.0; 3]), [1.0; 3]);
-        assert_eq!(white_gains([1.0, 0.0, 0.0]), [1.0; 3], "nobody adapts to one band");
     }
 }

@@ -178,6 +178,11 @@ impl Quantity {
         matches!(self, Self::Difference | Self::Sides | Self::Closure | Self::Residual)
     }
 
+    /// Whether it can be shown for A and for now, side by side.
+    pub fn can_split(self) -> bool {
+        matches!(self, Self::Picture | Self::Illuminance | Self::Luminance)
+    }
+
     /// Whether its values change with the lamps.
     pub fn follows_light(self) -> bool {
         matches!(self, Self::Illuminance | Self::Luminance | Self::Difference)
@@ -209,6 +214,8 @@ pub struct DisplaySettings {
     pub logarithmic: bool,
     /// Borders of patches over the picture.
     pub wireframe: bool,
+    /// The light kept as A beside the present one, with a divider; where A is kept.
+    pub split: bool,
     /// Sides that take no part, in dark grey.
     pub show_unlit: bool,
     /// Numbers under the cursor.
@@ -242,6 +249,7 @@ impl Default for DisplaySettings {
             range: None,
             logarithmic: false,
             wireframe: false,
+            split: false,
             show_unlit: false,
             readout: true,
         }

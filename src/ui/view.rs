@@ -9,6 +9,7 @@ use super::{input, legend, outline, overlay, picture, theme};
 use crate::render::{Camera, ColourSource, FrameInput, Pick};
 use crate::scene::SceneSource;
 use crate::session::Stage;
+use crate::solver::PatchLight;
 use egui::{CursorIcon, PointerButton, Rect, Sense, Vec2};
 use glam::DVec2;
 
@@ -37,6 +38,7 @@ impl App {
         self.adapt(ui);
         self.upload();
         self.draw(ui, rect);
+        self.show_divider(ui, rect);
         let pick = self.pick_at(&response);
         self.answer_clicks(ui, &response, pick.as_ref(), out);
         self.overlays(ui, rect, &response, pick.as_ref(), out);
@@ -55,13 +57,18 @@ impl App {
         {
             self.pivot = self.pick_at_position(response.interact_pointer_pos()).map(|pick| pick.position);
         }
+        let wheel = response.hovered() && ui.input(|i| i.smooth_scroll_delta().y != 0.0);
+        if response.clicked() || response.drag_started() || wheel {
+            self.touring = None;
+        }
+        // Whoever moves has read how.
+        self.state.hint_done |= response.dragged() || wheel;
         let Some(camera) = &mut self.camera else { return };
         let forward = camera.forward();
         let pose = camera.pose();
         if response.dragged_by(PointerButton::Primary) && drag != Vec2::ZERO {
             let speed = LOOK_SPEED * pose.fov_y_deg.to_radians();
             camera.look(dx * speed, -dy * speed);
-            self.state.hint_done = true;
         } else if response.dragged_by(PointerButton::Secondary) && drag != Vec2::ZERO {
             let pivot = self.pivot.unwrap_or(pose.eye + forward * 2.0);
             camera.orbit(pivot, dx * ORBIT_SPEED, -dy * ORBIT_SPEED);
@@ -85,7 +92,16 @@ impl App {
 
     fn move_camera(&mut self, ui: &egui::Ui) {
         let wish = input::wish(ui.ctx());
-        let dt = ui.input(|i| f64::from(i.stable_dt));
+        let (dt, since) = ui.input(|i| (f64::from(i.stable_dt), f64::from(i.unstable_dt)));
+        if wish.ahead != 0.0 || wish.right != 0.0 || wish.up != 0.0 {
+            self.touring = None;
+        }
+        if self.touring.is_some() {
+            ui.ctx().request_repaint();
+        }
+        if self.play_tour(since) {
+            return;
+        }
         let Some(camera) = &mut self.camera else { return };
         let obstacles = self.picture.prepared.as_ref().map(|p| &p.obstacles);
         camera.advance(&wish, obstacles, dt);
@@ -108,7 +124,8 @@ impl App {
                 self.seen.patches = prepared.picker.seen_patches(&camera, self.view_size_px, METER_GRID);
                 self.seen.from = from;
             }
-            self.exposure.measure(&self.picture.metered(&self.seen.patches), jump);
+            let metered = self.picture.metered(&self.seen.patches, self.split().is_some());
+            self.exposure.measure(&metered, jump);
         }
         if self.exposure.is_moving() {
             self.exposure.advance(ui.input(|i| f64::from(i.stable_dt)));
@@ -118,42 +135,60 @@ impl App {
 
     /// Brings mesh and light to the graphics card where they changed.
     fn upload(&mut self) {
-        let Some(prepared) = self.picture.prepared.clone() else { return };
         let display = self.edits.display;
+        let Some(prepared) = self.picture.prepared.clone() else { return };
         if std::mem::take(&mut self.stale.mesh) {
-            let uploaded = self.viewport.as_ref().and_then(|viewport| {
-                viewport.upload(|renderer, device, queue| {
-                    renderer.set_mesh(device, queue, &prepared.display, &prepared.scene.textures)
-                })
-            });
-            if let Some(Err(error)) = uploaded {
-                self.complain(error.to_string());
+            match (self.picture.uploaded.take(), &self.viewport) {
+                (Some(Ok(mesh)), Some(viewport)) => {
+                    viewport.upload(|renderer, _, _| renderer.adopt(mesh));
+                }
+                (Some(Err(error)), _) => self.complain(error.to_string()),
+                _ => {}
             }
             self.stale.light = true;
         }
         if !std::mem::take(&mut self.stale.light) {
             return;
         }
-        self.gains =
-            if display.white_balance { self.picture.white_balance(&self.edits.lighting) } else { [1.0; 3] };
+        self.gains = self.gains();
         self.scale = None;
         self.shown_values.clear();
-        let values = match display.quantity {
-            q if q.is_row() || q.is_defect() => self.microscope.scalars(q, &prepared, &self.picture.light),
-            q => q.is_scalar().then(|| self.picture.scalars(q)),
-        };
+        let kept = self.picture.kept().filter(|_| self.split().is_some()).map(|kept| &kept.light);
+        let lights = [Some(&self.picture.light), kept];
+        let quantity = display.quantity;
+        let of_patch = quantity.is_row() || quantity.is_defect();
         // Where the microscope has no answer yet the picture is shown.
-        if let Some(values) = values {
-            self.scale = Some(picture::scale(&display, &values));
-            let corners = self.picture.corner_scalars(&values, &display);
-            if let Some(viewport) = &self.viewport {
-                viewport.upload(|renderer, _, queue| renderer.set_scalars(queue, &corners));
-            }
-            self.shown_values = values;
+        let values = if of_patch {
+            let values = self.microscope.scalars(quantity, &prepared, &self.picture.light);
+            values.map(|values| [Some(values), None])
+        } else if quantity.is_scalar() {
+            Some(lights.map(|l| l.map(|light| self.picture.scalars(quantity, light))))
         } else {
-            let corners = self.picture.corner_radiosity(display.shading, self.gains);
+            None
+        };
+        if let Some(values) = values {
+            let areas: Vec<(f32, f64)> =
+                values.iter().flatten().flat_map(|values| self.picture.with_areas(values)).collect();
+            self.scale = Some(picture::scale(&display, &areas));
+            let corners = |v: &Option<Vec<f32>>| v.as_ref().map(|v| self.picture.corner_scalars(v, &display));
+            let (now, kept) = (corners(&values[0]), corners(&values[1]));
+            let [shown, _] = values;
             if let Some(viewport) = &self.viewport {
-                viewport.upload(|renderer, _, queue| renderer.set_light(queue, &corners));
+                viewport.upload(|renderer, _, queue| {
+                    now.iter().for_each(|corners| renderer.set_scalars(queue, corners));
+                    kept.iter().for_each(|corners| renderer.set_stored_scalars(queue, corners));
+                });
+            }
+            self.shown_values = shown.unwrap_or_default();
+        } else {
+            let gains = self.gains;
+            let corners = |light: &PatchLight| self.picture.corner_radiosity(light, display.shading, gains);
+            let [now, kept] = lights.map(|light| light.map(corners));
+            if let Some(viewport) = &self.viewport {
+                viewport.upload(|renderer, _, queue| {
+                    now.iter().for_each(|corners| renderer.set_light(queue, corners));
+                    kept.iter().for_each(|corners| renderer.set_stored_light(queue, corners));
+                });
             }
         }
     }
@@ -170,7 +205,9 @@ impl App {
             (Quantity::Picture, _) | (_, None) => ColourSource::Radiosity,
             (_, Some(scale)) => ColourSource::FalseColour(scale),
         };
-        let moving = self.camera.as_ref().is_some_and(|c| c.is_moving()) || self.exposure.is_moving();
+        let moving = self.camera.as_ref().is_some_and(|c| c.is_moving())
+            || self.exposure.is_moving()
+            || self.touring.is_some();
         let frame = FrameInput {
             source,
             exposure: self.exposure_in_force(),
@@ -179,6 +216,7 @@ impl App {
             // A tint would change the colour that means a value; there the outline alone marks it.
             highlight: self.inspected.filter(|_| !matches!(source, ColourSource::FalseColour(_))),
             show_unlit: display.show_unlit,
+            split: self.split(),
             // A software adapter draws single samples while the picture changes, four at rest.
             multisample: !viewport.is_software() || !(moving || self.is_solving()),
             ..FrameInput::new(camera, self.view_size_px)
@@ -256,7 +294,11 @@ impl App {
             && response.hovered()
             && let Some(pick) = pick
         {
-            overlay::readout(ui, rect, &model, pick);
+            let kept = self.picture.kept().map(|kept| &kept.light);
+            let on_left =
+                |split: f32| response.hover_pos().is_some_and(|at| at.x < rect.left() + split * rect.width());
+            let light = kept.filter(|_| self.split().is_some_and(on_left));
+            overlay::readout(ui, rect, &model, pick, light);
         }
         if self.picture.prepared.is_none() {
             let text = match self.snapshot.stage {
@@ -269,6 +311,9 @@ impl App {
             overlay::waiting(ui, rect, text);
         } else if !self.state.hint_done && !self.help_open && self.notice.is_none() {
             overlay::hint(ui, rect);
+        }
+        if let Some([seconds, all]) = model.tour {
+            overlay::tour(ui, rect, seconds, all);
         }
         if let Some(notice) = &self.notice {
             overlay::notice(ui, rect, notice, out);

@@ -1,6 +1,7 @@
 //! The picture inside the window: hands frames to the renderer, and draws none twice.
 
-use crate::render::{FrameInput, ViewportRenderer};
+use super::frame_clock::DrawTime;
+use crate::render::{FrameInput, MeshUploader, ViewportRenderer};
 use eframe::egui_wgpu::{self, CallbackResources, RenderState};
 
 /// What lives on the graphics card between frames.
@@ -16,16 +17,24 @@ struct Resources {
 pub(super) struct Viewport {
     state: RenderState,
     software: bool,
+    drawing: DrawTime,
+    uploader: MeshUploader,
 }
 
 impl Viewport {
-    /// Makes the pipelines.
-    pub(super) fn new(state: RenderState) -> Self {
+    /// Readies the drawing, which `drawing` counts from now on.
+    pub(super) fn new(state: RenderState, drawing: DrawTime) -> Self {
         let renderer = ViewportRenderer::new(&state.device, &state.queue, state.target_format);
+        let uploader = renderer.uploader(&state.device, &state.queue);
         let resources = Resources { renderer, generation: 0, drawn: None };
         state.renderer.write().callback_resources.insert(resources);
         let software = state.adapter.get_info().device_type == wgpu::DeviceType::Cpu;
-        Self { state, software }
+        Self { state, software, drawing, uploader }
+    }
+
+    /// What brings meshes to the graphics card, on any thread.
+    pub(super) fn uploader(&self) -> MeshUploader {
+        self.uploader.clone()
     }
 
     /// Whether the adapter is the processor itself: then edges are smoothed only at rest.
@@ -46,12 +55,16 @@ impl Viewport {
 
     /// Queues the frame for `rect`.
     pub(super) fn paint(&self, ui: &egui::Ui, rect: egui::Rect, frame: FrameInput) {
-        ui.painter().add(egui_wgpu::Callback::new_paint_callback(rect, Callback { frame }));
+        ui.painter().add(egui_wgpu::Callback::new_paint_callback(
+            rect,
+            Callback { frame, drawing: self.drawing.clone() },
+        ));
     }
 }
 
 struct Callback {
     frame: FrameInput,
+    drawing: DrawTime,
 }
 
 impl egui_wgpu::CallbackTrait for Callback {
@@ -71,7 +84,7 @@ impl egui_wgpu::CallbackTrait for Callback {
             return Vec::new();
         }
         *drawn = Some(wanted);
-        vec![renderer.prepare(device, queue, &self.frame)]
+        self.drawing.count(|| vec![renderer.prepare(device, queue, &self.frame)])
     }
 
     fn paint(

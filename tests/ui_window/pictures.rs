@@ -14,7 +14,11 @@ fn options() -> SnapshotOptions {
 
 /// Mean of the sRGB codes of the view, 0 to 255.
 fn brightness(harness: &mut Harness<'_, App>) -> f64 {
-    let rect = harness.get_by_label("Scene view").rect();
+    let view = harness.get_by_label("Scene view").rect();
+    brightness_in(harness, view)
+}
+
+fn brightness_in(harness: &mut Harness<'_, App>, rect: egui::Rect) -> f64 {
     let image = harness.render().expect("rendered");
     let mut sum = 0.0;
     let mut count = 0.0;
@@ -43,6 +47,31 @@ fn a_switched_lamp_is_dark_in_the_next_frame() {
     harness.step();
     let dark = brightness(&mut harness);
     assert!(dark < 8.0, "all off: {dark}");
+}
+
+#[test]
+fn a_lamp_that_went_out_is_dark_on_the_side_of_now_alone() {
+    if !has_adapter("a_lamp_that_went_out_is_dark_on_the_side_of_now_alone") {
+        return;
+    }
+    let mut harness = window(&Counting::showing(solved()), true);
+    harness.key_press(Key::C);
+    harness.run_steps(4);
+    let view = harness.get_by_label("Scene view").rect();
+    let centre = view.center().x;
+    let half = |left: f32, right: f32| {
+        egui::Rect::from_x_y_ranges(left..=right, view.top() + 60.0..=view.bottom() - 60.0)
+    };
+    let (left, right) = (half(view.left(), centre - 12.0), half(centre + 12.0, view.right()));
+    let before = [left, right].map(|side| brightness_in(&mut harness, side));
+    harness.key_press(Key::Num0);
+    harness.run_steps(4);
+    let after = [left, right].map(|side| brightness_in(&mut harness, side));
+    assert!(after[0] > 0.7 * before[0], "A stays: {before:?} to {after:?}");
+    assert!(after[1] < 8.0, "now is dark: {before:?} to {after:?}");
+    harness.key_press(Key::Num2);
+    harness.run_steps(30);
+    harness.snapshot_options("window_comparison", &options());
 }
 
 #[test]

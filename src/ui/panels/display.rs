@@ -51,8 +51,17 @@ pub(in crate::ui) fn show(ui: &mut egui::Ui, model: &Model<'_>, out: &mut Comman
     ui.checkbox(&mut new.readout, "Numbers under the cursor");
     theme::group_title(ui, "Comparison");
     ui.horizontal(|ui| {
-        if ui.button("Store light as A").on_hover_text("Keep the present light to compare with").clicked() {
+        if ui.button("Store as A").on_hover_text("Keep the present light to compare with").clicked() {
             out.push(Command::StoreComparison);
+        }
+        let split = Button::selectable(now.split && model.has_comparison, "A | Now");
+        if ui
+            .add_enabled(model.has_comparison && now.quantity.can_split(), split)
+            .on_hover_text("A on the left of a divider, the light now on the right (C)")
+            .accessible_name("Show A beside now")
+            .clicked()
+        {
+            new.split = !now.split;
         }
         let difference = now.quantity == Quantity::Difference;
         let button = Button::selectable(difference, "Now - A");

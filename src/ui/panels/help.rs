@@ -21,6 +21,7 @@ const KEYS: [(&str, &[(&str, &str)]); 4] = [
             ("Home", "start view"),
             ("[ and ]", "previous and next bookmark"),
             ("B", "store this view as a bookmark"),
+            ("T", "tour through the bookmarks"),
         ],
     ),
     (
@@ -37,6 +38,7 @@ const KEYS: [(&str, &[(&str, &str)]); 4] = [
         "Looking closer",
         &[
             ("L", "illuminance in false colours"),
+            ("C", "keep the light as A, and see it beside now"),
             ("G", "flat or smooth shading"),
             ("M", "patch borders"),
             ("Ctrl-click", "look into a patch"),
@@ -49,7 +51,7 @@ const KEYS: [(&str, &[(&str, &str)]); 4] = [
         "Window",
         &[
             ("Tab", "fold the panels away"),
-            ("F6", "to the panels by keyboard; Tab goes on, Esc leaves"),
+            ("F6", "to the panels by keyboard; Esc leaves"),
             ("Ctrl-O, F5", "open a file, load it again"),
             ("F12, Shift-F12", "save a picture, save radiance (EXR)"),
             ("Ctrl-Z, Ctrl-Shift-Z", "undo, redo"),
@@ -58,24 +60,30 @@ const KEYS: [(&str, &[(&str, &str)]); 4] = [
     ),
 ];
 
+/// Width in which no line of either column is cut, points.
+const WIDTH: f32 = 720.0;
+
 /// Shows the list.
 pub(in crate::ui) fn show(ui: &egui::Ui, out: &mut Commands) {
     let mut open = true;
+    let screen = ui.ctx().content_rect().size();
     egui::Window::new("Keys")
         .open(&mut open)
         .anchor(Align2::CENTER_CENTER, Vec2::ZERO)
         .resizable(false)
         .collapsible(false)
+        .vscroll(true)
+        .default_height(560.0)
+        .max_height(screen.y - 90.0)
         .show(ui.ctx(), |ui| {
+            ui.set_width(WIDTH.min(screen.x - 60.0));
             ui.columns(2, |columns| {
-                for (column, groups) in columns.iter_mut().zip([&KEYS[..1], &KEYS[1..3]]) {
+                for (column, groups) in columns.iter_mut().zip([&KEYS[..1], &KEYS[1..]]) {
                     for group in groups {
                         keys_of(column, group);
                     }
                 }
             });
-            ui.separator();
-            keys_of(ui, &KEYS[3]);
         });
     if !open {
         out.push(Command::ToggleHelp);
@@ -84,7 +92,7 @@ pub(in crate::ui) fn show(ui: &egui::Ui, out: &mut Commands) {
 
 fn keys_of(ui: &mut egui::Ui, (title, keys): &(&str, &[(&str, &str)])) {
     theme::group_title(ui, title);
-    Grid::new(title).num_columns(2).spacing([14.0, 4.0]).show(ui, |ui| {
+    Grid::new(title).num_columns(2).spacing([14.0, 1.0]).show(ui, |ui| {
         for (key, meaning) in *keys {
             ui.label(RichText::new(*key).color(theme::ACCENT));
             ui.label(*meaning);

@@ -107,6 +107,9 @@ fn edit(ui: &mut egui::Ui, model: &Model<'_>, out: &mut Commands) {
 fn view(ui: &mut egui::Ui, model: &Model<'_>, out: &mut Commands) {
     item(ui, out, "To the start view", "Home", true, Command::Home);
     item(ui, out, "Store this view", "B", true, Command::StoreView);
+    let tour = if model.tour.is_some() { "Stop the tour" } else { "Tour through the bookmarks" };
+    item(ui, out, tour, "T", model.can_tour, Command::ToggleTour);
+    item(ui, out, "Light A beside now", "C", !model.light.radiosity.is_empty(), Command::ToggleSplit);
     ui.separator();
     let display = model.edits.display;
     for quantity in [Quantity::Picture, Quantity::Illuminance, Quantity::Luminance] {

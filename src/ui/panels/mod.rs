@@ -71,6 +71,12 @@ pub(super) struct Model<'a> {
     pub(super) solo: Option<usize>,
     /// Whether a state A is stored.
     pub(super) has_comparison: bool,
+    /// Seconds that a tour has played, and will play in all.
+    pub(super) tour: Option<[f64; 2]>,
+    /// Whether there are bookmarks enough for a tour.
+    pub(super) can_tour: bool,
+    /// The longest work of the program for one frame of this scene, seconds.
+    pub(super) longest_secs: f64,
     /// What the last edit recomputed.
     pub(super) last_change: &'a str,
     /// Undo and redo.

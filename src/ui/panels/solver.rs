@@ -116,11 +116,13 @@ fn residual_plot(ui: &mut egui::Ui, sweeps: &[SweepReport]) {
     if sweeps.len() < 2 {
         return;
     }
-    let points: egui_plot::PlotPoints<'_> = sweeps
+    let logs: Vec<[f64; 2]> = sweeps
         .iter()
         .filter(|s| s.residual > 0.0)
         .map(|s| [f64::from(s.sweep), s.residual.log10()])
         .collect();
+    let [low, high] = decades(logs.iter().map(|point| point[1]));
+    let points = egui_plot::PlotPoints::from(logs);
     egui_plot::Plot::new("residual by sweep")
         .height(80.0)
         .allow_drag(false)
@@ -129,14 +131,25 @@ fn residual_plot(ui: &mut egui::Ui, sweeps: &[SweepReport]) {
         .allow_boxed_zoom(false)
         .show_x(false)
         .show_y(false)
-        .y_axis_formatter(|mark, _| {
-            // Whole decades alone: marks between them are no round numbers.
-            let exponent = mark.value.round();
-            if (mark.value - exponent).abs() < 1e-6 { format!("1e{exponent:.0}") } else { String::new() }
+        .include_y(low)
+        .include_y(high)
+        .y_grid_spacer(move |_| {
+            // Whole decades alone, few enough for their labels to stand apart.
+            let step = ((high - low) / 3.0).ceil().max(1.0);
+            let count = ((high - low) / step) as usize;
+            let mark = |k: usize| egui_plot::GridMark { value: low + k as f64 * step, step_size: step };
+            (0..=count).map(mark).collect()
         })
+        .y_axis_formatter(|mark, _| format!("1e{:.0}", mark.value))
         .show(ui, |plot| {
             plot.line(egui_plot::Line::new("residual", points).color(theme::ACCENT).width(1.5));
         });
+}
+
+/// Whole decades below and above all of these logarithms, at least one apart.
+fn decades(logs: impl Iterator<Item = f64>) -> [f64; 2] {
+    let [low, high] = logs.fold([f64::INFINITY, f64::NEG_INFINITY], |[l, h], x| [l.min(x), h.max(x)]);
+    if low > high { [-1.0, 0.0] } else { [low.floor(), high.ceil().max(low.floor() + 1.0)] }
 }
 
 /// Factors on the default resolution, with their names.
@@ -221,5 +234,18 @@ pub(in crate::ui) fn show_or_hint(ui: &mut egui::Ui, model: &Model<'_>, out: &mu
         empty(ui, "Open a scene to see its light settle.");
     } else {
         show(ui, model, out);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::decades;
+
+    #[test]
+    fn a_plot_spans_whole_decades() {
+        assert_eq!(decades([-1.3, -4.7].into_iter()), [-5.0, -1.0]);
+        assert_eq!(decades([-2.6, -2.4].into_iter()), [-3.0, -2.0]);
+        assert_eq!(decades([-3.0].into_iter()), [-3.0, -2.0]);
+        assert_eq!(decades(std::iter::empty()), [-1.0, 0.0]);
     }
 }

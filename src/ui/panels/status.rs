@@ -14,8 +14,11 @@ pub(in crate::ui) fn show(ui: &mut egui::Ui, model: &Model<'_>) {
             Motion::Fly => "fly".to_owned(),
         }));
         ui.separator();
-        ui.label(weak(format!("{:.1} ms", model.frame_secs * 1e3)))
-            .on_hover_text("Time of the program for one frame");
+        ui.label(weak(format!("{:.1} ms", model.frame_secs * 1e3))).on_hover_ui(|ui| {
+            ui.label("Time of the program and the graphics driver for one frame.");
+            let longest = units::duration(model.longest_secs);
+            ui.label(format!("Longest work of the program alone for one frame of this scene: {longest}"));
+        });
         if let Some(mesh) = model.mesh {
             ui.separator();
             ui.label(weak(format!("{} patches", units::count(mesh.patches.len()))));

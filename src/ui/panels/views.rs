@@ -49,6 +49,14 @@ pub(in crate::ui) fn show(ui: &mut egui::Ui, model: &Model<'_>, out: &mut Comman
         if ui.button("Store view").on_hover_text("Keep this view as a bookmark (B)").clicked() {
             out.push(Command::StoreView);
         }
+        let (text, tip) = match model.tour {
+            Some(_) => ("Stop tour", "Stay here (T or Esc)"),
+            None => ("Play tour", "Walk through all bookmarks (T)"),
+        };
+        let play = ui.add_enabled(model.can_tour, Button::new(text)).on_hover_text(tip);
+        if play.on_disabled_hover_text("A tour needs two bookmarks at least").clicked() {
+            out.push(Command::ToggleTour);
+        }
         if ui.button("Start view").on_hover_text("Back to where one starts (Home)").clicked() {
             out.push(Command::Home);
         }

@@ -1,0 +1,10 @@
+//! What a solved scene becomes in files. The window and the command line both write through here,
+//! so that a table, a picture or a mesh holds the same whichever of them made it.
+
+mod lit_mesh;
+mod patch_table;
+mod still;
+
+pub use lit_mesh::save_lit_mesh;
+pub use patch_table::{LitScene, save_patch_table};
+pub use still::{StillKind, StillLight, save_still};
