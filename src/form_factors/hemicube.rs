@@ -1,10 +1,14 @@
 //! The hemicube of 1985: patches projected onto five faces, an item buffer with depth, and a table
 //! of delta form factors.
 
+use super::rays::without_dark;
 use super::row::RowBuffer;
 use crate::geometry::Frame;
 use crate::mesh::{NO_PATCH, PatchMesh};
 use glam::DVec3;
+
+/// Stands for a side that no light reaches.
+const DARK: u32 = NO_PATCH - 1;
 
 /// Delta form factors of a unit hemicube with `resolution` cells along an edge.
 #[derive(Clone, Debug)]
@@ -71,7 +75,8 @@ impl Hemicube {
         (self.top.iter().sum(), self.side.iter().sum())
     }
 
-    /// Adds the form factors from `point` to every patch to `row`.
+    /// Adds the form factors from `point` to every patch to `row`, which is empty. Cells that show a dark
+    /// side count for nothing: what is lit sees none.
     pub fn gather(
         &self,
         sampler: &mut HemicubeSampler,
@@ -82,6 +87,7 @@ impl Hemicube {
     ) {
         let n = self.resolution;
         let contact = 1e-9 * mesh.size;
+        let mut dark = 0.0;
         let (t, b, up) = (frame.tangent, frame.bitangent, frame.normal);
         // Axes of each face: right, down the rows, outwards.
         let faces = [(t, b, up), (t, up, b), (t, up, -b), (b, up, t), (b, up, -t)];
@@ -98,22 +104,26 @@ impl Hemicube {
                 if height.abs() <= contact {
                     continue;
                 }
-                let patch = piece.patches[usize::from(height < 0.0)];
+                let side = usize::from(height < 0.0);
+                let patch = if region.dark[side] { DARK } else { piece.patches[side] };
                 sampler.polygon.clear();
                 sampler.polygon.extend(mesh.corners_of(piece).iter().map(|c| {
                     let p = mesh.vertices[c.vertex as usize] - point;
                     DVec3::new(right.dot(p), rise.dot(p), out.dot(p))
                 }));
-                // A dark side occludes as any other; it is told apart from an empty cell by depth.
+                // A black side occludes as any other; it is told apart from an empty cell by depth.
                 sampler.project(lowest, rows, n, patch);
             }
             let table = if index == 0 { &self.top } else { &self.side };
             for (&patch, &delta) in sampler.items.iter().zip(table) {
-                if patch != NO_PATCH {
-                    row.add(patch, delta);
+                match patch {
+                    DARK => dark += delta,
+                    NO_PATCH => {}
+                    patch => row.add(patch, delta),
                 }
             }
         }
+        row.scale(without_dark(dark));
     }
 }
 
