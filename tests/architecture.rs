@@ -13,11 +13,15 @@ const ROOMS: &[(&str, &str)] = &[
     ("solver", "form_factors effects mesh scene geometry"),
     ("accuracy", "solver form_factors effects mesh scene geometry"),
     ("session", "accuracy solver form_factors effects mesh scene geometry"),
+    ("validate", "session solver form_factors effects mesh scene geometry"),
     ("display", "mesh scene geometry"),
     ("render", "display mesh scene geometry"),
     ("export", ""),
     ("ui", "export render display session accuracy solver form_factors effects mesh scene geometry"),
-    ("cli", "ui export render display session accuracy solver form_factors effects mesh scene geometry"),
+    (
+        "cli",
+        "ui export render display validate session accuracy solver form_factors effects mesh scene geometry",
+    ),
 ];
 
 /// Libraries that only some rooms may know.
