@@ -14,10 +14,6 @@ const CLOSE: f64 = 2.0;
 /// A pair seen to this fraction or more is taken as fully visible: sampling noise, not a shadow.
 const CLEAR: f64 = 0.9;
 
-/// A pair sampled as so many times what it can be was met by chance, and stands for its neighbours: one
-/// of many facets thinner than the sampling. It keeps what it was given for them.
-const BY_CHANCE: f64 = 2.0;
-
 /// Whether the centre points would misjudge the pair.
 pub(super) fn is_close(a: &Patch, b: &Patch) -> bool {
     let reach = CLOSE * (a.radius + b.radius);
@@ -42,9 +38,6 @@ fn exchange(computer: &RowComputer, rows: &[Row], i: u32, j: u32) -> f64 {
         return 0.5 * sampled;
     }
     let visible = sampled / from_points;
-    if visible > BY_CHANCE {
-        return 0.5 * sampled;
-    }
     let visible = if visible >= CLEAR { 1.0 } else { visible };
     visible * exact(mesh, a, b)
 }
