@@ -11,6 +11,7 @@ pub mod effects;
 pub mod form_factors;
 pub mod solver;
 pub mod session;
+pub mod validate;
 pub mod display;
 pub mod render;
 pub mod export;

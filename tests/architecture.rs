@@ -13,6 +13,7 @@ const ROOMS: &[(&str, &str)] = &[
     ("solver", "form_factors effects mesh scene geometry"),
     ("accuracy", "solver form_factors effects mesh scene geometry"),
     ("session", "accuracy solver form_factors effects mesh scene geometry"),
+    ("validate", "session solver form_factors effects mesh scene geometry"),
     ("display", "mesh scene geometry"),
     ("render", "display mesh scene geometry"),
     ("export", ""),
@@ -20,7 +21,7 @@ const ROOMS: &[(&str, &str)] = &[
     ("ui", "outputs export render display session accuracy solver form_factors effects mesh scene geometry"),
     (
         "cli",
-        "ui outputs export render display session accuracy solver form_factors effects mesh scene geometry",
+        "ui outputs export render display validate session accuracy solver form_factors effects mesh scene geometry",
     ),
 ];
 

@@ -4,16 +4,10 @@ use lumenwalk::scene::{Finding, Scene, SceneError, SceneSource, Severity, check,
 use std::fs;
 use std::path::Path;
 
-const OBJ: &str = "mtllib room.mtl\n\
-    v 0 0 0\nv 4 0 0\nv 4 3 0\nv 0 3 0\nv 0 0 5\nv 4 0 5\nv 4 3 5\nv 0 3 5\n\
-    v 1 2.9 1\nv 2 2.9 1\nv 2 2.9 2\nv 1 2.9 2\nvt 0 0\nvt 1 0\nvt 1 1\nvn 0 0 1\n\
-    o room\nusemtl white\nf 1/1/1 2/2/1 3/3/1 4/1/1\nf 5 8 7 6\nf 1 5 6 2\nf 4 3 7 8\nf 1 4 8 5\nf 2 6 7 3\n\
-    o lamp\nusemtl light\nf -4 -3 -2 -1\n";
-const MTL: &str = "newmtl white\nKd 0.7 0.7 0.7\nmap_Kd paper.png\nnewmtl light\nKd 0 0 0\nKe 5 5 5\n";
-const SIDECAR: &str = "unit = \"m\"\nup = \"y\"\nstart = \"Door\"\npatch_size = 0.2\n\
-    [[view]]\nname = \"Door\"\neye = [1, 1.6, 4]\ntarget = [2, 1, 0]\nfov = 70\n\
-    [[luminaire]]\nobject = \"lamp\"\nname = \"Ceiling lamp\"\nlumens = 800\ncct = 2700\n\
-    [[material]]\nname = \"white\"\nreflectance = [0.8, 0.8, 0.8]\nsides = \"auto\"\n";
+#[path = "fuzz/readers.rs"]
+mod readers;
+
+use readers::{MTL, OBJ, POINTS, SIDECAR};
 
 /// Writes the files of a scene into a folder and reads it.
 fn read(folder: &Path, obj: &[u8], mtl: Option<&[u8]>, sidecar: Option<&[u8]>) -> Result<Scene, SceneError> {
@@ -256,63 +250,121 @@ fn text_quirks_do_not_matter() {
     assert!(read(folder.path(), &latin, Some(MTL.as_bytes()), None).is_ok());
 }
 
-/// Deterministic damage: bytes replaced, swapped, doubled and cut out; files cut short.
-#[test]
-fn damaged_files_never_panic_and_never_let_a_wrong_number_through() {
-    const WILD: &[u8] = b"0129-.e/ \n\r\t#\\\"[]=nafvotsu\xff\0";
-    let mut state = 0x9e37_79b9_7f4a_7c15_u64;
-    let mut next = move |below: usize| {
-        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        (state >> 33) as usize % below
-    };
-    let (mut accepted, mut refused) = (0, 0);
-    for round in 0..900 {
-        let mut texts = [OBJ.as_bytes().to_vec(), MTL.as_bytes().to_vec(), SIDECAR.as_bytes().to_vec()];
-        let text = &mut texts[round % 3];
-        for _ in 0..=next(3) {
-            let at = next(text.len().max(1));
+/// Deterministic damage to a text: bytes replaced, swapped, doubled and cut out; lines repeated, moved
+/// and joined; numbers made wild; files cut short.
+struct Damage {
+    state: u64,
+}
+
+impl Damage {
+    fn below(&mut self, limit: usize) -> usize {
+        self.state =
+            self.state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (self.state >> 33) as usize % limit.max(1)
+    }
+
+    fn hurt(&mut self, text: &mut Vec<u8>) {
+        const WILD: &[u8] = b"0129-.e/ \n\r\t#\\\"[]=nafvotsu\xff\0";
+        const NUMBERS: [&str; 12] = [
+            "0",
+            "-0",
+            "1e308",
+            "-1e308",
+            "1e-308",
+            "nan",
+            "inf",
+            "-1",
+            "4294967296",
+            "18446744073709551616",
+            "0.1e",
+            "9007199254740993",
+        ];
+        for _ in 0..=self.below(3) {
             if text.len() < 2 {
-                break;
+                return;
             }
-            match next(5) {
-                0 => text[at] = WILD[next(WILD.len())],
-                1 => text.insert(at, WILD[next(WILD.len())]),
+            let at = self.below(text.len());
+            match self.below(9) {
+                0 => text[at] = WILD[self.below(WILD.len())],
+                1 => text.insert(at, WILD[self.below(WILD.len())]),
                 2 => _ = text.remove(at),
                 3 => {
-                    let other = next(text.len());
+                    let other = self.below(text.len());
                     text.swap(at, other);
                 }
-                _ => text.truncate(at.max(1)),
-            }
-        }
-        let [obj, mtl, sidecar] = texts.map(|t| String::from_utf8_lossy(&t).into_owned());
-        match from_text("room", &obj, &mtl, Some(&sidecar)) {
-            Ok(scene) => {
-                accepted += 1;
-                check(&scene);
-                let _ = lumenwalk::scene::Summary::of(&scene).to_string();
-                assert!(scene.positions.iter().all(|p| p.is_finite()));
-                assert!(scene.normals.iter().all(|n| (n.length() - 1.0).abs() < 1e-9));
-                assert!(scene.materials.iter().flat_map(|m| m.reflectance).all(|r| (0.0..=1.0).contains(&r)));
-                let outputs = scene.luminaires.iter().flat_map(|l| l.initial.output());
-                assert!(outputs.into_iter().all(|e| e.is_finite() && e >= 0.0));
-                assert!(scene.views.iter().all(|v| v.eye.is_finite() && v.eye != v.target));
-                assert!(scene.start_view < scene.views.len());
-                for surface in &scene.surfaces {
-                    let area = lumenwalk::geometry::polygon::area_vector(&scene.polygon(surface));
-                    assert!(area.length() > 0.0 && area.is_finite());
-                    assert!(surface.emission_weight.iter().all(|w| (0.0..=1.0).contains(w)));
+                4 => text.truncate(at.max(1)),
+                5 => {
+                    // A line again, elsewhere.
+                    let from = text[..at].iter().rposition(|&b| b == b'\n').map_or(0, |k| k + 1);
+                    let to = text[at..].iter().position(|&b| b == b'\n').map_or(text.len(), |k| at + k + 1);
+                    let line = text[from..to].to_vec();
+                    let place = self.below(text.len());
+                    text.splice(place..place, line);
                 }
-            }
-            Err(error) => {
-                refused += 1;
-                let message = error.to_string();
-                assert!(message.contains("room.") && !message.contains('\n'), "{message:?}");
+                6 => {
+                    // A number made wild.
+                    let is_number = |b: &u8| b.is_ascii_digit() || b"+-.eE".contains(b);
+                    let Some(from) = text[at..].iter().position(is_number).map(|k| at + k) else { continue };
+                    let to = text[from..].iter().position(|b| !is_number(b)).map_or(text.len(), |k| from + k);
+                    text.splice(from..to, NUMBERS[self.below(NUMBERS.len())].bytes());
+                }
+                7 => {
+                    // A stretch many times over.
+                    let to = (at + 1 + self.below(40)).min(text.len());
+                    let stretch = text[at..to].repeat(1 + self.below(60));
+                    text.splice(at..at, stretch);
+                }
+                _ => text[at] = self.below(256) as u8,
             }
         }
     }
+}
+
+/// The most memory that this process has held, bytes, where the system tells.
+fn peak_memory() -> Option<u64> {
+    let status = fs::read_to_string("/proc/self/status").ok()?;
+    let line = status.lines().find_map(|l| l.strip_prefix("VmHWM:"))?;
+    Some(line.trim().strip_suffix("kB")?.trim().parse::<u64>().ok()? << 10)
+}
+
+#[test]
+fn ten_thousand_damaged_files_never_panic_and_never_let_a_wrong_number_through() {
+    let mut damage = Damage { state: 0x9e37_79b9_7f4a_7c15 };
+    let (mut accepted, mut refused) = (0, 0);
+    for round in 0..10_000 {
+        let mut texts = [OBJ, MTL, SIDECAR, POINTS].map(|t| t.as_bytes().to_vec());
+        // The model itself is the richest.
+        let chosen = [0, 1, 2, 3, 0, 2][round % 6];
+        damage.hurt(&mut texts[chosen]);
+        let good = if chosen == 3 {
+            readers::points(&texts[3])
+        } else {
+            let [obj, mtl, sidecar, _] = texts.map(|t| String::from_utf8_lossy(&t).into_owned());
+            readers::scene(&obj, &mtl, Some(&sidecar))
+        };
+        *if good { &mut accepted } else { &mut refused } += 1;
+    }
     assert!(
-        accepted > 100 && refused > 100,
+        accepted > 1000 && refused > 1000,
         "the damage must be neither harmless nor total: {accepted}, {refused}"
     );
+    assert!(peak_memory().is_none_or(|peak| peak < 1 << 30), "{:?} bytes", peak_memory());
+}
+
+#[test]
+fn the_corpus_of_the_fuzzer_is_read_without_a_panic() {
+    let corpus = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/fuzz/corpus");
+    type Reader = fn(&[u8]) -> bool;
+    let readers: [(&str, Reader); 4] = [
+        ("obj", readers::obj),
+        ("mtl", readers::mtl),
+        ("sidecar", readers::sidecar),
+        ("points", readers::points),
+    ];
+    for (name, read) in readers {
+        let files: Vec<_> = fs::read_dir(corpus.join(name)).unwrap().flatten().map(|e| e.path()).collect();
+        assert!(files.len() >= 3, "{name}: {} files", files.len());
+        let accepted = files.iter().filter(|file| read(&fs::read(file).unwrap())).count();
+        assert!(accepted > 0, "{name}: a good one is among them");
+    }
 }

@@ -10,7 +10,7 @@ use std::process::Stdio;
 fn help_names_every_command_and_option() {
     let place = Workplace::with_room(0.5);
     let help = place.succeed(&["--help"]);
-    for word in ["SCENE", "solve", "scenes", "check", "plan", "Exit codes"] {
+    for word in ["SCENE", "solve", "scenes", "check", "plan", "validate", "Exit codes"] {
         assert!(help.contains(word), "{word} is missing:\n{help}");
     }
     let options = [
@@ -70,12 +70,32 @@ fn wrong_usage_ends_with_2() {
         &["solve", "room.obj", "--image", "a.png", "--size", "640"],
         &["solve", "room.obj", "--image", "a.png", "--eye", "1,2,3"],
         &["plan", "room.obj", "--with", "magic"],
+        &["validate", "--case", "no such case"],
     ];
     for arguments in wrong {
         let output = place.run(arguments);
         assert_eq!(output.status.code(), Some(2), "{arguments:?}");
         assert!(output.stdout.is_empty() && !output.stderr.is_empty(), "{arguments:?}");
     }
+}
+
+#[test]
+fn validate_prints_cases_in_two_forms() {
+    let place = Workplace::with_room(0.5);
+    let plain =
+        place.succeed(&["validate", "--case", "Parallel 2 x 1", "--case", "1 mm lamp in a 100 m hall"]);
+    for words in ["VIEW FACTORS", "Hottel 1931", "0.285875385", "LAMPS", "4 cases by", " 0 failed"] {
+        assert!(plain.contains(words), "{words} is missing:\n{plain}");
+    }
+    let table = place.succeed(&["validate", "--markdown", "--case", "parallel 2 x 1"]);
+    let rows: Vec<&str> = table.lines().filter(|line| line.starts_with('|')).collect();
+    // A header, its line, and one row a way.
+    assert_eq!(rows.len(), 7, "{table}");
+    assert!(rows.iter().all(|row| row.matches('|').count() == 9), "{table}");
+    assert!(rows[2..].iter().all(|row| row.ends_with("| ok |")), "{table}");
+    let lines = rows.iter().find(|row| row.contains("| lines |")).unwrap();
+    let computed: f64 = lines.split('|').nth(5).unwrap().trim().parse().unwrap();
+    assert!((computed - 0.285_875_384_850_715).abs() < 1e-4, "{lines}");
 }
 
 #[test]

@@ -175,7 +175,9 @@ fn rows_as_sampled_sum_to_one_in_a_closed_room() {
         let tolerance = if method == Method::Hemicube { 1e-4 } else { 1e-5 };
         for (row, patch) in rows(&prepared).iter().zip(&prepared.mesh.patches) {
             let sum = row.sum();
-            assert!(patch.buried || (sum - 1.0).abs() < tolerance, "{} sums to {sum}", method.name());
+            let (at, normal) = (patch.centre, patch.normal);
+            let close = patch.buried || (sum - 1.0).abs() < tolerance;
+            assert!(close, "{} sums to {sum} at {at} facing {normal}", method.name());
         }
     }
 }
@@ -435,6 +437,8 @@ fn lines_win_over_the_hemicube_at_the_same_work() {
     );
     assert!(rays < 5e-3, "an independent method confirms the reference: {rays}");
     assert!(lines < 1e-3, "{lines}");
-    assert!(lines < 0.2 * hemicube[1], "{lines} against {}", hemicube[1]);
+    // A hemicube of 64 cells costs more than three times as much, one of 256 ten times.
+    assert!(lines < 0.1 * hemicube[0], "{lines} against {}", hemicube[0]);
+    assert!(lines < hemicube[1], "{lines} against {}", hemicube[1]);
     assert!(hemicube[1] < hemicube[0], "{hemicube:?}");
 }

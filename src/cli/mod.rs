@@ -1,7 +1,7 @@
 //! The command line: one file a command.
 //!
 //! Exit codes: 0 done, 1 the command itself failed (a file could not be written, `check` found
-//! errors), 2 wrong usage or bad input. An interrupt ends the process by its signal.
+//! errors, `validate` a wrong value), 2 wrong usage or bad input. An interrupt ends the process by its signal.
 
 mod check;
 mod failure;
@@ -16,6 +16,7 @@ mod scenes;
 mod solve;
 mod text;
 mod tour;
+mod validate;
 mod window;
 
 use clap::{Parser, Subcommand};
@@ -41,6 +42,7 @@ enum Command {
     Scenes(scenes::Arguments),
     Check(check::Arguments),
     Plan(plan::Arguments),
+    Validate(validate::Arguments),
 }
 
 /// Runs the program with the arguments of the process and tells its exit code.
@@ -60,6 +62,7 @@ pub fn run() -> ExitCode {
         Some(Command::Scenes(arguments)) => scenes::run(arguments),
         Some(Command::Check(arguments)) => check::run(arguments),
         Some(Command::Plan(arguments)) => plan::run(arguments),
+        Some(Command::Validate(arguments)) => validate::run(arguments),
     };
     match result {
         Ok(()) => ExitCode::SUCCESS,

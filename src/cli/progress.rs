@@ -35,6 +35,11 @@ impl ProgressLine {
         self.show("tour", || describe_tour(index, count, share, elapsed.as_secs_f64()));
     }
 
+    /// Shows which of a number of named parts runs now, if it is time.
+    pub(super) fn part(&mut self, stage: &'static str, done: usize, all: usize, name: &str) {
+        self.show(stage, || format!("{}, {name}", line(stage, done as f64 / all.max(1) as f64)));
+    }
+
     fn show(&mut self, stage: &'static str, line: impl FnOnce() -> String) {
         let interval = Duration::from_millis(if self.terminal { 100 } else { 10_000 });
         if self.last.is_some_and(|(last, at)| last == stage && at.elapsed() < interval) {

@@ -45,9 +45,9 @@ fn above(corners: &[DVec3], point: DVec3, normal: DVec3) -> Vec<DVec3> {
 /// occlusion, m²; each counter-clockwise as seen from the side that faces the other.
 ///
 /// Stokes' theorem twice (Sparrow 1963): (1 / 2 pi) times the double contour integral of
-/// ln r dx·dy. The inner integral is taken in closed form, the outer by Gauss-Legendre quadrature
-/// with nodes drawn to both ends, where touching edges have their logarithms. What one polygon
-/// has below the other's horizon is cut off first.
+/// ln r dx·dy. The inner integral is taken in closed form, the outer too between near parallel edges,
+/// else by Gauss-Legendre quadrature with nodes drawn to both ends, where touching edges have their
+/// logarithms. What one polygon has below the other's horizon is cut off first.
 pub fn exchange_area(first: &[DVec3], second: &[DVec3]) -> f64 {
     let (normal_1, normal_2) =
         (polygon::area_vector(first).normalize_or_zero(), polygon::area_vector(second).normalize_or_zero());
@@ -97,6 +97,9 @@ fn mean_log_distance(a: DVec3, b: DVec3, c: DVec3, d: DVec3) -> f64 {
         return 0.0;
     }
     let unit = along / length;
+    if let Some(mean) = parallel_mean_log(a, b, c, unit, length) {
+        return mean;
+    }
     graded_nodes()
         .iter()
         .map(|&(s, weight)| {
@@ -114,6 +117,47 @@ fn mean_log_distance(a: DVec3, b: DVec3, c: DVec3, d: DVec3) -> f64 {
             weight * (antiderivative(t0 + length) - antiderivative(t0)) / length
         })
         .sum()
+}
+
+/// Mean over both segments of ln |x - y| for parallel segments that lie near each other, from `a` to
+/// `b` and from `c` along `unit` for `length`; `None` for others.
+///
+/// Second antiderivative of ln sqrt(t² + h²) at the four distances between the ends, along the
+/// edges; its terms cancel where the segments are far apart, where quadrature is exact anyway.
+fn parallel_mean_log(a: DVec3, b: DVec3, c: DVec3, unit: DVec3, length: f64) -> Option<f64> {
+    const NEAR: f64 = 4.0;
+    let first = b - a;
+    let run = first.dot(unit);
+    let off = first - unit * run;
+    // To rounding, also far from the origin.
+    if off.length_squared() > 1e-14 * run * run {
+        return None;
+    }
+    let from = c - a;
+    let t = from.dot(unit);
+    let h2 = (from - unit * t).length_squared();
+    // From a and from b to both ends of the other.
+    let steps = [t, t + length, t - run, t - run + length];
+    let longest = run.abs().max(length);
+    let gap = steps.iter().fold(f64::INFINITY, |m, s| m.min(s.abs()));
+    let overlap = steps.iter().any(|s| *s <= 0.0) && steps.iter().any(|s| *s >= 0.0);
+    let apart = h2 + if overlap { 0.0 } else { gap * gap };
+    if apart > (NEAR * run.abs().min(length)).powi(2) && apart > (0.1 * longest).powi(2) {
+        return None;
+    }
+    let h = h2.sqrt();
+    // Lengths over the longest, so that logarithms stay small; its own is added at the end.
+    let scale = longest.recip();
+    let second = |t: f64| {
+        let (t, h) = (t * scale, h * scale);
+        let (t2, h2) = (t * t, h * h);
+        let log = if t2 + h2 > 0.0 { 0.25 * (t2 - h2) * (t2 + h2).ln() } else { 0.0 };
+        let angle = if h > 0.0 { h * t * (t / h).atan() } else { 0.0 };
+        log - 0.75 * t2 + angle
+    };
+    let sum = second(steps[1]) - second(steps[0]) - second(steps[3]) + second(steps[2]);
+    // The four ends enter with signs that fit a run along the unit vector or against it.
+    Some(sum / (run * length * scale * scale) + longest.ln())
 }
 
 /// Form factor between equal parallel rectangles `a` by `b` at distance `c` (Hottel 1931;

@@ -1,6 +1,7 @@
 //! The hemicube of 1985: patches projected onto five faces, an item buffer with depth, and a table
 //! of delta form factors.
 
+use super::rays::without_dark;
 use super::row::RowBuffer;
 use crate::geometry::Frame;
 use crate::mesh::{NO_PATCH, PatchMesh};
@@ -8,6 +9,9 @@ use glam::DVec3;
 
 /// The top and four half faces.
 pub(super) const FACES: usize = 5;
+
+/// Stands for a side that no light reaches.
+pub(super) const DARK: u32 = NO_PATCH - 1;
 
 /// Delta form factors of a unit hemicube with `resolution` cells along an edge.
 #[derive(Clone, Debug)]
@@ -74,7 +78,8 @@ impl Hemicube {
         (self.top.iter().sum(), self.side.iter().sum())
     }
 
-    /// Adds the form factors from `point` to every patch to `row`.
+    /// Adds the form factors from `point` to every patch to `row`, which is empty. Cells that show a dark
+    /// side count for nothing: what is lit sees none.
     pub fn gather(
         &self,
         sampler: &mut HemicubeSampler,
@@ -83,14 +88,18 @@ impl Hemicube {
         frame: &Frame,
         row: &mut RowBuffer,
     ) {
+        let mut dark = 0.0;
         for face in 0..FACES {
             self.draw(sampler, mesh, point, frame, face);
             for (&patch, &delta) in sampler.items.iter().zip(self.deltas(face)) {
-                if patch != NO_PATCH {
-                    row.add(patch, delta);
+                match patch {
+                    DARK => dark += delta,
+                    NO_PATCH => {}
+                    patch => row.add(patch, delta),
                 }
             }
         }
+        row.scale(without_dark(dark));
     }
 
     /// Draws what `point` sees through one face into the sampler's item buffer, row by row.
@@ -124,11 +133,7 @@ impl Hemicube {
                 continue;
             }
             let side = usize::from(height < 0.0);
-            // What shows a side that no light reaches slipped through a seam.
-            if region.dark[side] {
-                continue;
-            }
-            let patch = piece.patches[side];
+            let patch = if region.dark[side] { DARK } else { piece.patches[side] };
             sampler.polygon.clear();
             sampler.polygon.extend(mesh.corners_of(piece).iter().map(|c| {
                 let p = mesh.vertices[c.vertex as usize] - point;

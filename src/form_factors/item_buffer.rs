@@ -1,6 +1,6 @@
 //! What a hemicube sees, cell by cell, unfolded into a cross to be looked at.
 
-use super::hemicube::{FACES, Hemicube, HemicubeSampler};
+use super::hemicube::{DARK, FACES, Hemicube, HemicubeSampler};
 use crate::geometry::Frame;
 use crate::mesh::{NO_PATCH, PatchMesh};
 use glam::DVec3;
@@ -34,7 +34,9 @@ impl ItemBuffer {
         let mut sampler = HemicubeSampler::default();
         let items = std::array::from_fn(|face| {
             hemicube.draw(&mut sampler, mesh, point, frame, face);
-            std::mem::take(&mut sampler.items)
+            let mut items = std::mem::take(&mut sampler.items);
+            items.iter_mut().filter(|item| **item == DARK).for_each(|item| *item = NO_PATCH);
+            items
         });
         Self { hemicube, items }
     }

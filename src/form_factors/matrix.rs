@@ -2,7 +2,6 @@
 
 use super::quality::PairGaps;
 use super::{Row, RowComputer, RowQuality, near};
-use crate::mesh::PatchMesh;
 use rayon::prelude::*;
 
 /// Form factors of a mesh as exchange areas S_ij = A_i F_ij, row by row.
@@ -34,8 +33,12 @@ pub struct AssembleReport {
     pub imbalance: f64,
 }
 
-/// Row sums within this of one count as closed: what single precision leaves of a row.
-const CLOSED: f64 = 2e-6;
+/// Row sums within this of one count as closed: what rounding leaves of a row.
+const CLOSED: f64 = 2e-5;
+/// What closed forms leave open beyond this is no rounding of theirs.
+const GAP: f64 = 5e-4;
+/// A lamp of less than this fraction of a receiver's radius judges the pair better than the receiver.
+const SMALL_LAMP: f64 = 0.25;
 /// Scaling stops at this deviation of row sums, or after that many passes.
 const BALANCED: f64 = 1e-7;
 const MOST_PASSES: usize = 40;
@@ -77,7 +80,7 @@ impl FormFactors {
             .par_iter()
             .map(|&start| {
                 let end = if cancelled() { start } else { (start + BLOCK).min(n) };
-                Block::assemble(mesh, &rows, &close, start..end)
+                Block::assemble(computer, &rows, &close, start..end)
             })
             .collect();
         if cancelled() {
@@ -86,7 +89,7 @@ impl FormFactors {
         let sums: Vec<f64> = rows.par_iter().map(Row::sum).collect();
         let targets: Vec<f64> = (0..n)
             .into_par_iter()
-            .map(|i| mesh.patches[i].area * HEADROOM * row_target(mesh, &rows, &close, i, sums[i]))
+            .map(|i| mesh.patches[i].area * HEADROOM * row_target(computer, &rows, &close, i, sums[i]))
             .collect();
         drop(rows);
         let entries = blocks.iter().map(|b| b.columns.len()).sum();
@@ -246,10 +249,13 @@ impl FormFactors {
 /// What row i must sum to: 1 less the sky as sampled, where closed forms did not change its share.
 ///
 /// What a close pair gains over its sample the others lose, sky and patches alike. Without sky the
-/// sum stays 1; where close pairs are all that is seen, it becomes that of their closed forms.
-fn row_target(mesh: &PatchMesh, rows: &[Row], close: &[Vec<(u32, f64)>], i: usize, sum: f64) -> f64 {
+/// sum stays 1; where close pairs are all that is seen, it becomes that of their closed forms, since
+/// from one point the gap between two near plates is not seen at all.
+fn row_target(computer: &RowComputer, rows: &[Row], close: &[Vec<(u32, f64)>], i: usize, sum: f64) -> f64 {
+    let mesh = computer.mesh();
     if sum > 1.0 - CLOSED {
-        return 1.0;
+        let exact = near::sum_in_closed_form(computer, rows, i as u32);
+        return exact.filter(|&exact| exact < 1.0 - GAP).unwrap_or(1.0);
     }
     let row = &rows[i];
     let area = mesh.patches[i].area;
@@ -278,11 +284,12 @@ struct Block {
 
 impl Block {
     fn assemble(
-        mesh: &PatchMesh,
+        computer: &RowComputer,
         rows: &[Row],
         close: &[Vec<(u32, f64)>],
         range: std::ops::Range<usize>,
     ) -> Self {
+        let mesh = computer.mesh();
         // What other rows say of the patches in this range, in rising order of those rows.
         let mut columns: Vec<Vec<(u32, f32)>> = vec![Vec::new(); range.len()];
         let mut mirrored: Vec<Vec<(u32, f64)>> = vec![Vec::new(); range.len()];
@@ -334,7 +341,7 @@ impl Block {
                 while exact.next_if(|e| e.0 < j).is_some() {}
                 let value = match exact.peek() {
                     Some(&&(at, value)) if at == j => value,
-                    _ => pair_value(mesh, i as u32, j, out, back),
+                    _ => pair_value(computer, i as u32, j, out, back),
                 };
                 if j as usize != i && value as f32 > 0.0 {
                     block.columns.push(j);
@@ -352,10 +359,17 @@ impl Block {
 }
 
 /// Exchange area of a pair from the two samples `out` = A_i F_ij and `back` = A_j F_ji, m².
-fn pair_value(mesh: &PatchMesh, i: u32, j: u32, out: f64, back: f64) -> f64 {
-    let emits = |p: u32| mesh.patches[p as usize].luminaire.is_some();
-    match (emits(i), emits(j)) {
+///
+/// Between a lamp and a receiver the sample of one side is taken: the receiver's, who sees the shape
+/// of the lamp; the lamp's where it is small against the receiver, or could fall between samples.
+fn pair_value(computer: &RowComputer, i: u32, j: u32, out: f64, back: f64) -> f64 {
+    let patches = &computer.mesh().patches;
+    let (a, b) = (&patches[i as usize], &patches[j as usize]);
+    let small = if computer.misses_nothing() { SMALL_LAMP } else { 1.0 };
+    match (a.luminaire.is_some(), b.luminaire.is_some()) {
+        (false, true) if b.radius < small * a.radius => back,
         (false, true) => out,
+        (true, false) if a.radius < small * b.radius => out,
         (true, false) => back,
         // In one order for (i, j) and (j, i), so that both round alike.
         _ if i < j => 0.5 * (out + back),

@@ -6,6 +6,7 @@
 
 use super::closed_form::exchange_area;
 use super::{Row, RowComputer};
+use crate::geometry::Frame;
 use crate::mesh::{Patch, PatchMesh};
 
 /// Pairs whose centres are nearer than this many times the sum of their radii are close.
@@ -29,7 +30,7 @@ fn exchange(computer: &RowComputer, rows: &[Row], i: u32, j: u32) -> f64 {
         if !rows[index as usize].spread {
             return patch.area * computer.unoccluded(patch.centre, patch.normal, other);
         }
-        let points = computer.receiving_points(index);
+        let points = computer.open_points(index, rows[index as usize].covered);
         patch.area * points.iter().map(|&(x, w)| w * computer.unoccluded(x, patch.normal, other)).sum::<f64>()
     };
     let from_points = from(a, i, j) + from(b, j, i);
@@ -48,6 +49,30 @@ fn exact(mesh: &PatchMesh, a: &Patch, b: &Patch) -> f64 {
             mesh.pieces_of(b).map(|q| exchange_area(&first, &mesh.polygon(q, b.side))).sum::<f64>()
         })
         .sum()
+}
+
+/// Sum of row i by closed forms, if all that it sees is close and fully visible, and the scene is open
+/// beside it; else `None`.
+pub(super) fn sum_in_closed_form(computer: &RowComputer, rows: &[Row], i: u32) -> Option<f64> {
+    let mesh = computer.mesh();
+    let (a, row) = (&mesh.patches[i as usize], &rows[i as usize]);
+    // What the centre does not see of a closed scene, other points of the patch do.
+    if !computer.rays().opens_sideways(a.centre, &Frame::around(a.normal)) {
+        return None;
+    }
+    let mut sum = 0.0;
+    for &j in &row.patches {
+        let b = &mesh.patches[j as usize];
+        if !is_close(a, b) {
+            return None;
+        }
+        let whole = exact(mesh, a, b);
+        if exchange(computer, rows, i, j) < whole {
+            return None;
+        }
+        sum += whole / a.area;
+    }
+    Some(sum)
 }
 
 /// The close pairs of row i with j > i, each with its exchange area.

@@ -9,11 +9,11 @@ use glam::DVec3;
 #[derive(Clone, Debug)]
 pub struct RayScene {
     bvh: Bvh,
-    /// For each triangle the patches on its front and back, and its front normal.
+    /// For each triangle the patches on its front and back, whether these sides are dark, and its
+    /// front normal.
     patches: Vec<[u32; 2]>,
-    normals: Vec<DVec3>,
-    /// For each triangle whether no light reaches its front, its back: rays pass through such a side.
     dark: Vec<[bool; 2]>,
+    normals: Vec<DVec3>,
     /// Rays start this far off the surface, metres.
     offset: f64,
 }
@@ -25,30 +25,51 @@ impl RayScene {
         Self {
             bvh: Bvh::build(&triangles),
             patches: pieces.iter().map(|&p| mesh.pieces[p as usize].patches).collect(),
-            normals: pieces
-                .iter()
-                .map(|&p| mesh.regions[mesh.pieces[p as usize].region as usize].frame.normal)
-                .collect(),
             dark: pieces
                 .iter()
                 .map(|&p| mesh.regions[mesh.pieces[p as usize].region as usize].dark)
+                .collect(),
+            normals: pieces
+                .iter()
+                .map(|&p| mesh.regions[mesh.pieces[p as usize].region as usize].frame.normal)
                 .collect(),
             offset: 1e-7 * mesh.size,
         }
     }
 
-    /// The patch that a ray from `point` meets first; `None` where it escapes or meets a black side.
-    ///
-    /// A ray that meets a side which no light reaches has slipped through a seam and goes on.
+    /// The patch that a ray from `point` meets first; `None` where it escapes or meets a dark side.
     pub fn patch_seen(&self, point: DVec3, direction: DVec3) -> Option<u32> {
-        let side_of = |triangle: usize| usize::from(self.normals[triangle].dot(direction) > 0.0);
-        let ray = Ray { origin: point, direction };
-        let lit = |t: u32| !self.dark[t as usize][side_of(t as usize)];
-        let hit = self.bvh.nearest_where(&ray, self.offset, f64::INFINITY, lit)?;
+        self.seen(point, direction).map(|seen| seen.0).filter(|&patch| patch != NO_PATCH)
+    }
+
+    /// The patch that a ray meets first, or [`NO_PATCH`], and whether no light reaches that side; `None`
+    /// where the ray escapes.
+    fn seen(&self, point: DVec3, direction: DVec3) -> Option<(u32, bool)> {
+        let hit = self.bvh.nearest(&Ray { origin: point, direction }, self.offset, f64::INFINITY)?;
         let triangle = hit.triangle as usize;
-        let side = side_of(triangle);
-        let patch = self.patches[triangle][side];
-        (patch != NO_PATCH).then_some(patch)
+        let side = usize::from(self.normals[triangle].dot(direction) > 0.0);
+        Some((self.patches[triangle][side], self.dark[triangle][side]))
+    }
+
+    /// Whether a ray along a surface from one of its points, a hair above it, escapes from the scene:
+    /// looked for in 16 directions.
+    pub(super) fn opens_sideways(&self, point: DVec3, frame: &Frame) -> bool {
+        const RAYS: u32 = 16;
+        const RISE: f64 = 1e-5;
+        (0..RAYS).any(|k| {
+            let (sin, cos) = (std::f64::consts::TAU * (f64::from(k) + 0.3) / f64::from(RAYS)).sin_cos();
+            self.seen(point, frame.world(DVec3::new(cos, sin, RISE))).is_none()
+        })
+    }
+
+    /// Whether a point on a surface lies inside a body or under one: what is lit never sees a side that
+    /// no light reaches, and one of 8 rays would meet one.
+    pub(super) fn covered(&self, point: DVec3, frame: &Frame) -> bool {
+        const RAYS: u32 = 8;
+        (0..RAYS).any(|k| {
+            let direction = frame.world(cosine_direction(k, RAYS, 0.1));
+            self.seen(point, direction).is_some_and(|(_, dark)| dark)
+        })
     }
 
     /// Whether nothing stands between two points.
@@ -62,14 +83,25 @@ impl RayScene {
         !self.bvh.occluded(&ray, self.offset, length - self.offset)
     }
 
-    /// Adds the form factors from `point` to every patch to `row`; `turn` in 0..1 turns the pattern of `count` rays.
+    /// Adds the form factors from `point` to every patch to `row`, which is empty; `turn` in 0..1 turns
+    /// the pattern of `count` rays. Rays that meet a dark side count for nothing: what is lit sees none.
     pub fn gather(&self, count: u32, point: DVec3, frame: &Frame, turn: f64, row: &mut RowBuffer) {
         let each = 1.0 / f64::from(count.max(1));
+        let mut dark = 0.0;
         for k in 0..count {
             let direction = frame.world(cosine_direction(k, count, turn));
-            if let Some(patch) = self.patch_seen(point, direction) {
-                row.add(patch, each);
+            match self.seen(point, direction) {
+                Some((NO_PATCH, true)) => dark += each,
+                Some((NO_PATCH, false)) | None => {}
+                Some((patch, _)) => row.add(patch, each),
             }
         }
+        row.scale(without_dark(dark));
     }
+}
+
+/// What a row is scaled by of which this share met dark sides. A point that sees little else lies
+/// under something, and its row stays as it is.
+pub(super) fn without_dark(share: f64) -> f64 {
+    if share < 0.5 { 1.0 / (1.0 - share) } else { 1.0 }
 }

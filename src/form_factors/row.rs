@@ -19,6 +19,8 @@ pub struct Row {
     pub values: Vec<f32>,
     /// Whether it was gathered at several receiving points, not at the centre alone.
     pub spread: bool,
+    /// Of these points the ones that were left out, since they lie under something: one bit each.
+    pub covered: u8,
 }
 
 impl RowBuffer {
@@ -40,6 +42,17 @@ impl RowBuffer {
         self.touched[i / 64] |= 1 << (i % 64);
     }
 
+    /// Multiplies all form factors by `factor`.
+    pub fn scale(&mut self, factor: f64) {
+        for (word, &bits) in self.touched.iter().enumerate() {
+            let mut rest = bits;
+            while rest != 0 {
+                self.values[word * 64 + rest.trailing_zeros() as usize] *= factor;
+                rest &= rest - 1;
+            }
+        }
+    }
+
     /// Calls `visit` with every patch added to and its form factor, in rising order, and empties the row.
     pub fn drain(&mut self, mut visit: impl FnMut(u32, f64)) {
         for (word, bits) in self.touched.iter_mut().enumerate() {
@@ -56,8 +69,12 @@ impl RowBuffer {
     /// in single precision.
     pub fn take(&mut self) -> Row {
         let count = self.touched.iter().map(|w| w.count_ones() as usize).sum();
-        let mut row =
-            Row { patches: Vec::with_capacity(count), values: Vec::with_capacity(count), spread: false };
+        let mut row = Row {
+            patches: Vec::with_capacity(count),
+            values: Vec::with_capacity(count),
+            spread: false,
+            covered: 0,
+        };
         self.drain(|patch, value| {
             let value = value as f32;
             if value > 0.0 {

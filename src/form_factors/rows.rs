@@ -103,6 +103,11 @@ impl RowComputer {
         &self.mesh
     }
 
+    /// Whether a row misses nothing that lies between two samples: lines find what is small.
+    pub(super) fn misses_nothing(&self) -> bool {
+        matches!(self.sampler, Sampler::Lines(..))
+    }
+
     /// How many rows make a batch of a few milliseconds a thread: a matter of method, resolution and
     /// scene alone, so that the order of work never depends on the clock.
     pub fn batch(&self) -> usize {
@@ -148,13 +153,22 @@ impl RowComputer {
             return scratch.row.take();
         }
         scratch.row.drain(|_, _| {});
-        for (k, (point, weight)) in self.receiving_points(patch).into_iter().enumerate() {
+        let covered = (0_u8..)
+            .zip(self.receiving_points(patch))
+            .filter(|(_, (point, _))| self.rays.covered(*point, &frame))
+            .fold(0, |bits, (k, _)| bits | 1 << k);
+        let points = self.open_points(patch, covered);
+        if points.is_empty() {
+            self.gather(p.centre, frame, turn_of(patch), purpose, scratch);
+            return scratch.row.take();
+        }
+        for (k, (point, weight)) in points.into_iter().enumerate() {
             scratch.row.set_weight(weight);
             // The patterns of the points interleave.
             self.gather(point, frame, turn_of(patch) + 0.25 * k as f64, Purpose::OneOfSeveral, scratch);
         }
         scratch.row.set_weight(1.0);
-        Row { spread: true, ..scratch.row.take() }
+        Row { spread: true, covered, ..scratch.row.take() }
     }
 
     /// The row of a patch as if nothing hid anything: closed forms from its centre.
@@ -176,7 +190,9 @@ impl RowComputer {
         }
         let share = |lamp: &Patch, x: DVec3| {
             let to_lamp = lamp.centre - x;
-            let cosines = p.normal.dot(to_lamp).max(0.0) * -lamp.normal.dot(to_lamp).min(0.0);
+            // In each other's plane they see nothing, whatever rounding says.
+            let clear = |height: f64| if height > 1e-7 * to_lamp.length() { height } else { 0.0 };
+            let cosines = clear(p.normal.dot(to_lamp)) * clear(-lamp.normal.dot(to_lamp));
             lamp.area * cosines / to_lamp.length_squared().powi(2).max(f64::MIN_POSITIVE)
         };
         let lamps = self.lamps.iter().map(|&l| &self.mesh.patches[l as usize]);
@@ -193,6 +209,23 @@ impl RowComputer {
             let first = seen.next();
             seen.any(|s| Some(s) != first)
         })
+    }
+
+    /// The receiving points of a patch without those that are `covered` (a bit each), with their shares
+    /// of what is left; empty if none is.
+    pub(super) fn open_points(&self, patch: u32, covered: u8) -> Vec<(DVec3, f64)> {
+        let mut points = self.receiving_points(patch);
+        if covered != 0 {
+            let mut bits = covered;
+            points.retain(|_| {
+                let open = bits & 1 == 0;
+                bits >>= 1;
+                open
+            });
+            let rest: f64 = points.iter().map(|p| p.1).sum();
+            points.iter_mut().for_each(|p| p.1 /= rest);
+        }
+        points
     }
 
     /// Points that stand for a patch with their shares of it: 2 x 2 Gauss points of a quadrilateral,
@@ -220,8 +253,12 @@ impl RowComputer {
                 points.push(((triangle[0] + triangle[1] + triangle[2]) / 3.0, area));
             }
         }
-        points.sort_by(|a, b| b.1.total_cmp(&a.1));
-        points.truncate(8);
+        if points.len() > 8 {
+            // The largest, where areas that differ by rounding alone count as equal.
+            let unit = 1e-9 * p.area;
+            points.sort_by_key(|point| std::cmp::Reverse((point.1 / unit) as u64));
+            points.truncate(8);
+        }
         let total: f64 = points.iter().map(|p| p.1).sum();
         if total <= 0.0 {
             return vec![(p.centre, 1.0)];
@@ -236,7 +273,7 @@ impl RowComputer {
     pub fn point(&self, point: DVec3, normal: DVec3, scratch: &mut RowScratch, visit: impl FnMut(u32, f64)) {
         let point = point + normal * (1e-5 * self.mesh.size);
         if self.visibility {
-            self.gather(point, Frame::around(normal), turn_of(0) + 0.118_033_989, Purpose::Centre, scratch);
+            self.gather(point, Frame::around(normal), 0.618_033_989, Purpose::Centre, scratch);
         } else {
             self.gather_unoccluded(point, normal, scratch);
         }
@@ -257,7 +294,9 @@ impl RowComputer {
                 }
             }
             Sampler::Hemicube(cube) => {
-                cube.gather(&mut scratch.hemicube, &self.mesh, point, &frame, &mut scratch.row);
+                // Turned, so that edges do not run along rows of cells.
+                let turned = frame.turned(turn * std::f64::consts::TAU);
+                cube.gather(&mut scratch.hemicube, &self.mesh, point, &turned, &mut scratch.row);
             }
             Sampler::Rays(count) => self.rays.gather(*count, point, &frame, turn, &mut scratch.row),
         }
@@ -321,7 +360,8 @@ impl RowComputer {
     }
 }
 
-/// A turn of the sampling pattern that differs from patch to patch: the golden ratio's multiples.
+/// A turn of the sampling pattern that differs from patch to patch: the golden ratio's multiples, from
+/// a start that sets no pattern along the axes of a surface.
 fn turn_of(patch: u32) -> f64 {
-    (0.5 + 0.618_033_988_749_894_9 * f64::from(patch)).fract()
+    (0.513_170_912_5 + 0.618_033_988_749_894_9 * f64::from(patch)).fract()
 }

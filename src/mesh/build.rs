@@ -83,7 +83,7 @@ pub fn build(scene: &Scene, settings: &MeshSettings) -> Result<PatchMesh, MeshEr
     if outlines.is_empty() {
         return Err(MeshError::Empty);
     }
-    let search = Search::new(scene, &outlines, size);
+    let mut search = Search::new(scene, &outlines, size);
     let reached: Vec<[Reach; 2]> = match settings.backs {
         Backs::Reached => search.sides(),
         Backs::None => outlines

@@ -1,9 +1,9 @@
 //! Which sides of which regions light can reach: the outside of a closed shell needs no patches.
 //!
-//! A side is lit if a diffuse path that starts on it comes to a point from which a lamp is seen, or a
-//! point that a path from a lamp came to: paths from both ends meet where lamps hide in housings.
-//! Paths run through free space only, so that the inside of a box that stands on a lit floor stays
-//! dark although it touches the floor.
+//! A side is lit if a diffuse path that starts on it comes to a point from which a lamp is seen, or if
+//! light from a lamp comes to it over many bounces: through several rooms with small doors no short
+//! path leads back. Paths run through free space only, so that the inside of a box that stands on a lit
+//! floor stays dark although it touches the floor.
 
 use super::regions::Outline;
 use super::types::{Patch, Side};
@@ -16,10 +16,16 @@ use rayon::prelude::*;
 const PATHS: u64 = 32;
 /// Points on a path, its start included.
 const BOUNCES: u64 = 4;
-/// Paths from lamps; every point that they come to counts as light for the others.
-const LAMP_PATHS: u64 = 1024;
 /// This many paths must find light: a single one may have slipped through the seam of two faces.
 const ENOUGH: u32 = 2;
+
+/// Paths from the lamps, and the points that each has at most.
+const LAMP_PATHS: u64 = 2048;
+const LAMP_BOUNCES: u64 = 64;
+/// This many of them must meet a side: so many rays find seams and corners.
+const ENOUGH_LAMP_PATHS: usize = 3;
+/// Lit points remembered on each side.
+const LIT_POINTS: usize = 4;
 
 /// How light and a side stand to each other.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -47,10 +53,13 @@ pub(super) struct Search<'a> {
     bvh: Bvh,
     /// Front normal of each triangle.
     normals: Vec<DVec3>,
+    /// The outline that each triangle is a part of.
+    owners: Vec<u32>,
     /// Points on lamps with the direction that they shine to.
     lamps: Vec<(DVec3, DVec3)>,
-    /// Points that paths from lamps came to, with the normals of the sides that they met.
-    lit: Vec<(DVec3, DVec3)>,
+    lamp_tangents: Vec<DVec3>,
+    /// Points on lit sides with the direction that they face, where the search had to find them.
+    lit_points: Vec<(DVec3, DVec3)>,
     offset: f64,
 }
 
@@ -58,66 +67,126 @@ impl<'a> Search<'a> {
     pub(super) fn new(scene: &'a Scene, outlines: &'a [Outline], size: f64) -> Self {
         let mut triangles = Vec::new();
         let mut normals = Vec::new();
-        let mut lamps = Vec::new();
-        for outline in outlines {
+        let mut owners = Vec::new();
+        let (mut lamps, mut lamp_tangents) = (Vec::new(), Vec::new());
+        for (index, outline) in outlines.iter().enumerate() {
             let normal = outline.frame.normal;
             for part in &outline.parts {
                 for k in 1..part.corners.len() - 1 {
                     let triangle = [part.corners[0], part.corners[k], part.corners[k + 1]];
                     triangles.push(triangle.map(|c| outline.world(c)));
                     normals.push(normal);
+                    owners.push(index as u32);
                 }
             }
             if outline.luminaire.is_some() {
                 for point in sample_points(outline, 3) {
                     lamps.push((outline.world(point), normal));
+                    lamp_tangents.push(outline.frame.tangent);
                     if outline.emits_back {
                         lamps.push((outline.world(point), -normal));
+                        lamp_tangents.push(outline.frame.tangent);
                     }
                 }
             }
         }
-        let bvh = Bvh::build(&triangles);
-        let mut search = Self { scene, outlines, bvh, normals, lamps, lit: Vec::new(), offset: size * 1e-7 };
-        search.lit = search.paths_from_lamps();
-        search
-    }
-
-    /// The points that diffuse paths from the lamps come to.
-    fn paths_from_lamps(&self) -> Vec<(DVec3, DVec3)> {
-        if self.lamps.is_empty() {
-            return Vec::new();
+        Self {
+            scene,
+            outlines,
+            bvh: Bvh::build(&triangles),
+            normals,
+            owners,
+            lamps,
+            lamp_tangents,
+            lit_points: Vec::new(),
+            offset: size * 1e-7,
         }
-        let mut points = Vec::new();
-        for path in 0..LAMP_PATHS {
-            // Every lamp in turn.
-            let start = (path as f64 * 0.618_033_988_749_894_9).fract() * self.lamps.len() as f64;
-            let (mut point, mut normal) = self.lamps[(start as usize).min(self.lamps.len() - 1)];
-            for bounce in 0..BOUNCES {
-                let key = (1 << 60) + path * BOUNCES + bounce;
-                let Some(next) = self.bounce(point + normal * self.offset, normal, key) else { break };
-                (point, normal) = next;
-                points.push(next);
-            }
-        }
-        points
-    }
-
-    /// Where a diffuse step from a point comes to, and the normal of the side that it meets.
-    fn bounce(&self, origin: DVec3, normal: DVec3, key: u64) -> Option<(DVec3, DVec3)> {
-        let direction = Frame::around(normal).world(cosine_from(unit(key, 1), unit(key, 2)));
-        let hit = self.bvh.nearest(&Ray { origin, direction }, 0.0, f64::INFINITY)?;
-        let front = self.normals[hit.triangle as usize];
-        let normal = if front.dot(direction) > 0.0 { -front } else { front };
-        Some((origin + direction * hit.distance, normal))
     }
 
     /// For every region how its front and its back stand to light.
-    pub(super) fn sides(&self) -> Vec<[Reach; 2]> {
-        (0..self.outlines.len())
+    pub(super) fn sides(&mut self) -> Vec<[Reach; 2]> {
+        let mut reached: Vec<[Reach; 2]> = (0..self.outlines.len())
             .into_par_iter()
             .map(|index| [Side::Front, Side::Back].map(|side| self.side(index, side)))
+            .collect();
+        if self.lamps.is_empty() || !reached.iter().flatten().any(|&r| r == Reach::Dark) {
+            return reached;
+        }
+        // A side that the light of lamps meets over many bounces is lit, too.
+        for (side, hits) in self.met_by_lamps().into_iter().enumerate() {
+            let reach = &mut reached[side / 2][side % 2];
+            if hits.len() >= ENOUGH_LAMP_PATHS {
+                if *reach == Reach::Dark {
+                    *reach = if self.is_black(side) { Reach::Black } else { Reach::Lit };
+                }
+                let normal = self.frame(side).normal;
+                self.lit_points.extend(spread(&hits).into_iter().map(|at| (at, normal)));
+            }
+        }
+        // With so many lit points to look for, those that few paths led to are found as well: many small
+        // facets around a place that is lit through a gap.
+        reached
+            .par_iter()
+            .enumerate()
+            .map(|(index, both)| {
+                [Side::Front, Side::Back].map(|side| match both[side as usize] {
+                    Reach::Dark => self.side(index, side),
+                    known => known,
+                })
+            })
             .collect()
+    }
+
+    /// For every side (2 x region + side) where the paths of lamps meet it, one point a path.
+    fn met_by_lamps(&self) -> Vec<Vec<DVec3>> {
+        let paths: Vec<Vec<(usize, DVec3)>> =
+            (0..LAMP_PATHS).into_par_iter().map(|path| self.path_of_lamp(path)).collect();
+        let mut met = vec![Vec::new(); 2 * self.outlines.len()];
+        for (side, at) in paths.into_iter().flatten() {
+            met[side].push(at);
+        }
+        met
+    }
+
+    /// The sides that light from a lamp meets on one path, each with the first point there.
+    fn path_of_lamp(&self, path: u64) -> Vec<(usize, DVec3)> {
+        let mut met: Vec<(usize, DVec3)> = Vec::new();
+        let (mut point, normal) = self.lamps[path as usize % self.lamps.len()];
+        let mut frame = Frame::along(normal, self.lamp_tangents[path as usize % self.lamps.len()]);
+        for bounce in 0..LAMP_BOUNCES {
+            let key = (1 << 50) + LAMP_BOUNCES * path + bounce;
+            let direction = frame.world(cosine_from(unit(key, 1), unit(key, 2)));
+            let origin = point + frame.normal * self.offset;
+            let Some(hit) = self.bvh.nearest(&Ray { origin, direction }, 0.0, f64::INFINITY) else { break };
+            let side = self.side_met(hit.triangle, direction);
+            point = origin + direction * hit.distance;
+            if !met.iter().any(|m| m.0 == side) {
+                met.push((side, point));
+            }
+            if self.is_black(side) {
+                break;
+            }
+            frame = self.frame(side);
+        }
+        met
+    }
+
+    /// The side (2 x region + side) of a triangle that a ray in this direction meets.
+    fn side_met(&self, triangle: u32, direction: DVec3) -> usize {
+        let back = self.normals[triangle as usize].dot(direction) > 0.0;
+        2 * self.owners[triangle as usize] as usize + usize::from(back)
+    }
+
+    /// Whether a side reflects nothing by its material's own word.
+    fn is_black(&self, side: usize) -> bool {
+        let outline = &self.outlines[side / 2];
+        side % 2 == 1 && self.scene.materials[outline.material as usize].sides == Sides::Front
+    }
+
+    /// The frame of a side (2 x region + side), which turns with it.
+    fn frame(&self, side: usize) -> Frame {
+        let frame = &self.outlines[side / 2].frame;
+        Frame::along(frame.normal * if side % 2 == 1 { -1.0 } else { 1.0 }, frame.tangent)
     }
 
     fn side(&self, index: usize, side: Side) -> Reach {
@@ -133,7 +202,7 @@ impl<'a> Search<'a> {
         }
         let starts: Vec<DVec3> = sample_points(outline, 12).into_iter().map(|p| outline.world(p)).collect();
         let seed = 2 * index as u64 + side as u64;
-        match self.is_lit(&starts, outline.frame.normal * side.sign(), seed, PATHS, ENOUGH) {
+        match self.is_lit(&starts, self.frame(2 * index + side as usize), seed, PATHS, ENOUGH) {
             false => Reach::Dark,
             true if sides == Sides::Front => Reach::Black,
             true => Reach::Lit,
@@ -153,27 +222,28 @@ impl<'a> Search<'a> {
             .map(|(index, patch)| {
                 let by_reach = self.scene.materials[patch.material as usize].sides != Sides::Both;
                 let seed = (1 << 40) + 64 * index as u64;
+                let frame = self.frame(2 * patch.region as usize + patch.side as usize);
                 if !by_reach
                     || patch.luminaire.is_some()
                     || self.lamps.is_empty()
-                    || self.is_lit(&[patch.centre], patch.normal, seed, PATHS / 3, 1)
+                    || self.is_lit(&[patch.centre], frame, seed, PATHS / 3, 1)
                 {
                     return None;
                 }
                 let lit = (1..)
                     .zip(points(patch).into_iter().take(40))
-                    .find(|&(k, point)| self.is_lit(&[point], patch.normal, seed + k, PATHS / 8, 1));
+                    .find(|&(k, point)| self.is_lit(&[point], frame, seed + k, PATHS / 8, 1));
                 Some(lit.map_or(Buried::Whole, |(_, point)| Buried::LitAt(point)))
             })
             .collect()
     }
 
     /// Whether `enough` of `paths` paths from the points in turn find light.
-    fn is_lit(&self, starts: &[DVec3], normal: DVec3, seed: u64, paths: u64, enough: u32) -> bool {
+    fn is_lit(&self, starts: &[DVec3], frame: Frame, seed: u64, paths: u64, enough: u32) -> bool {
         let mut found = 0;
         for path in 0..paths {
             let Some(&start) = starts.get(path as usize % starts.len().max(1)) else { return false };
-            if self.path_finds_light(start, normal, seed.wrapping_mul(PATHS) + path) {
+            if self.path_finds_light(start, frame, seed.wrapping_mul(PATHS) + path) {
                 found += 1;
                 if found == enough {
                     return true;
@@ -183,29 +253,44 @@ impl<'a> Search<'a> {
         false
     }
 
-    fn path_finds_light(&self, mut point: DVec3, mut normal: DVec3, seed: u64) -> bool {
+    fn path_finds_light(&self, mut point: DVec3, mut frame: Frame, seed: u64) -> bool {
         for bounce in 0..BOUNCES {
-            point += normal * self.offset;
+            point += frame.normal * self.offset;
             let key = seed.wrapping_mul(BOUNCES) + bounce;
-            // Lamps and what they light take turns.
-            let lights = if self.lit.is_empty() || bounce % 2 == 0 { &self.lamps } else { &self.lit };
-            let pick = (unit(key, 0) * lights.len() as f64) as usize;
-            let (at, towards) = lights[pick.min(lights.len() - 1)];
+            // A lamp, or as often a point that is known to be lit.
+            let targets =
+                if key % 2 == 1 && !self.lit_points.is_empty() { &self.lit_points } else { &self.lamps };
+            let target = (unit(key, 0) * targets.len() as f64) as usize;
+            let (at, towards) = targets[target.min(targets.len() - 1)];
             let at = at + towards * self.offset;
-            let to_light = at - point;
-            if to_light.dot(normal) > 0.0
-                && to_light.dot(towards) < 0.0
-                && !self.bvh.occluded(&Ray { origin: point, direction: to_light }, 0.0, 1.0)
+            let to_target = at - point;
+            if to_target.dot(frame.normal) > 0.0
+                && to_target.dot(towards) < 0.0
+                && !self.bvh.occluded(&Ray { origin: point, direction: to_target }, 0.0, 1.0)
             {
                 return true;
             }
-            match self.bounce(point, normal, key) {
-                Some(next) => (point, normal) = next,
-                None => return false,
-            }
+            let direction = frame.world(cosine_from(unit(key, 1), unit(key, 2)));
+            let Some(hit) = self.bvh.nearest(&Ray { origin: point, direction }, 0.0, f64::INFINITY) else {
+                return false;
+            };
+            point += direction * hit.distance;
+            frame = self.frame(self.side_met(hit.triangle, direction));
         }
         false
     }
+}
+
+/// Up to [`LIT_POINTS`] of these points, each as far from those before as can be: a floor may run
+/// through several rooms.
+fn spread(points: &[DVec3]) -> Vec<DVec3> {
+    let mut chosen: Vec<DVec3> = points.first().copied().into_iter().collect();
+    while chosen.len() < LIT_POINTS.min(points.len()) {
+        let lonely = |p: &DVec3| chosen.iter().map(|c| c.distance_squared(*p)).fold(f64::INFINITY, f64::min);
+        let Some(&next) = points.iter().max_by(|a, b| lonely(a).total_cmp(&lonely(b))) else { break };
+        chosen.push(next);
+    }
+    chosen
 }
 
 /// A number in 0..1 for a key and a dimension (the finaliser of SplitMix64, Steele et al. 2014).
