@@ -16,8 +16,12 @@ const ROOMS: &[(&str, &str)] = &[
     ("display", "mesh scene geometry"),
     ("render", "display mesh scene geometry"),
     ("export", ""),
-    ("ui", "export render display session accuracy solver form_factors effects mesh scene geometry"),
-    ("cli", "ui export render display session accuracy solver form_factors effects mesh scene geometry"),
+    ("study", "export display session accuracy solver form_factors effects mesh scene geometry"),
+    ("ui", "study export render display session accuracy solver form_factors effects mesh scene geometry"),
+    (
+        "cli",
+        "ui study export render display session accuracy solver form_factors effects mesh scene geometry",
+    ),
 ];
 
 /// Libraries that only some rooms may know.

@@ -3,6 +3,7 @@
 //! Exit codes: 0 done, 1 the command itself failed (a file could not be written, `check` found
 //! errors), 2 wrong usage or bad input. An interrupt ends the process by its signal.
 
+mod accuracy;
 mod check;
 mod failure;
 mod interrupt;

@@ -1,3 +1,4 @@
+use super::accuracy;
 use super::failure::Failure;
 use super::lamps;
 use super::options::{self, SolveOptions};
@@ -67,6 +68,9 @@ pub(super) struct Arguments {
     /// Write irradiance and illuminance at the points
     #[arg(long, value_name = "OUT.csv", requires = "points")]
     irradiance: Option<PathBuf>,
+    /// Check the answer by independent rays and tell how wrong it is
+    #[arg(long)]
+    audit: bool,
     /// Write counts, settings, timings, sweeps and the power balance
     #[arg(long, value_name = "OUT.json")]
     report: Option<PathBuf>,
@@ -126,6 +130,8 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
     arguments.check_outputs()?;
 
     let (solved, light) = solve(scene, &settings, &lighting)?;
+    let solve_seconds = start.elapsed().as_secs_f64();
+    let budget = arguments.audit.then(|| accuracy::audit(&solved, &lighting)).flatten();
     let outputs_start = Instant::now();
     if let (Some(path), Some(kind)) = (&arguments.image, kind) {
         let size = arguments.size.unwrap_or(picture::DEFAULT_SIZE);
@@ -151,7 +157,10 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
         let report = report::report(&solved, &settings, &lighting, &light, own, others.collect());
         export::write_report(path, &report)?;
     }
-    let mut told = summary(&solved, &settings, start.elapsed().as_secs_f64());
+    let mut told = summary(&solved, &settings, solve_seconds);
+    if let Some(budget) = &budget {
+        told += &accuracy::budget_lines(budget);
+    }
     for output in arguments.outputs() {
         told += &format!("wrote {}\n", output.display());
     }
