@@ -36,6 +36,7 @@ const CRATES: &[(&str, &[&str])] = &[
     ("anyhow", &["cli"]),
     ("signal_hook", &["cli"]),
     ("exr", &["export"]),
+    ("resvg", &["export"]),
     ("tobj", &["scene"]),
 ];
 

@@ -34,12 +34,16 @@ pub struct Answer<'a> {
 pub struct AuditSettings {
     /// It ends once the half width of the total's interval is this part of the total; above zero.
     pub precision: f64,
+    /// Whether the error of form factors is to be known as precisely.
+    pub parts: bool,
     /// Errors below this (of the mean irradiance) need not be resolved; above zero.
     pub resolve: f64,
     /// It ends after about this many seconds with what it has.
     pub seconds: f64,
     /// Receivers at most; 64 or more.
     pub receivers: usize,
+    /// It ends as soon as the total's interval lies on one side of this.
+    pub decide: Option<f64>,
     /// Whether to use all threads of the pool, or the calling one alone.
     pub parallel: bool,
     /// Names the random choices: the same seed draws the same receivers and rays.
@@ -48,7 +52,16 @@ pub struct AuditSettings {
 
 impl Default for AuditSettings {
     fn default() -> Self {
-        Self { precision: 0.1, resolve: 5e-4, seconds: 10.0, receivers: 4096, parallel: true, seed: 1 }
+        Self {
+            precision: 0.1,
+            parts: false,
+            resolve: 5e-4,
+            seconds: 10.0,
+            receivers: 4096,
+            decide: None,
+            parallel: true,
+            seed: 1,
+        }
     }
 }
 
@@ -137,6 +150,8 @@ const TRIAL_RAYS: u32 = 64;
 const BATCH: usize = 64;
 /// Rays along the cosine that one gathering takes at most.
 const MOST_RAYS: u32 = 1 << 16;
+/// An error below a mark is known well enough at this relative half width.
+const LOOSE: f64 = 0.3;
 /// Receivers for which the time should do, where it is short.
 const FEWEST: f64 = 160.0;
 
@@ -180,7 +195,7 @@ impl<'a> Audit<'a> {
             if change.is_finite() { change.max(0.0) } else { 0.0 }
         };
         let typical: f64 = receiving().map(|i| mesh.patches[i].area * unrest(i)).sum::<f64>() / area;
-        let floor = 0.5 * typical + 1e-6 * mean;
+        let floor = typical + 1e-6 * mean;
         let mut sum = 0.0;
         let chance: Vec<f64> = (0..n)
             .map(|i| {
@@ -235,7 +250,14 @@ impl<'a> Audit<'a> {
             let count = BATCH.min(most - found.len());
             found.extend(self.batch(count, care, seed, settings.parallel, &out_of_time));
             batch += 1;
-            if self.estimate(&found, |f| f.total).relative_half_width() < settings.precision {
+            let total = self.estimate(&found, |f| f.total);
+            let width = total.relative_half_width();
+            // Above the mark is above it; to lie below it the error must be known to some extent.
+            let decided = settings.decide.is_some_and(|d| total.low > d || total.high < d && width < LOOSE);
+            let factors = || self.estimate(&found, |f| f.form_factors);
+            let known =
+                |e: Estimate| e.relative_half_width() < settings.precision || e.high < settings.resolve;
+            if decided || (known(total) && (!settings.parts || known(factors()))) {
                 break;
             }
         }

@@ -4,6 +4,7 @@
 //! errors), 2 wrong usage or bad input. An interrupt ends the process by its signal.
 
 mod accuracy;
+mod budget;
 mod check;
 mod failure;
 mod interrupt;
@@ -38,6 +39,7 @@ struct Arguments {
 #[derive(Debug, Subcommand)]
 enum Command {
     Solve(Box<solve::Arguments>),
+    Accuracy(accuracy::Arguments),
     Scenes(scenes::Arguments),
     Check(check::Arguments),
     Plan(plan::Arguments),
@@ -57,6 +59,7 @@ pub fn run() -> ExitCode {
     let result = match &arguments.command {
         None => window::run(&arguments.window),
         Some(Command::Solve(arguments)) => solve::run(arguments),
+        Some(Command::Accuracy(arguments)) => accuracy::run(arguments),
         Some(Command::Scenes(arguments)) => scenes::run(arguments),
         Some(Command::Check(arguments)) => check::run(arguments),
         Some(Command::Plan(arguments)) => plan::run(arguments),

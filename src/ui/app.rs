@@ -1,5 +1,6 @@
 //! The window as a whole: what it holds, and the order of a frame.
 
+use super::auditor::Auditor;
 use super::camera_control::CameraControl;
 use super::command::EditKey;
 use super::exposure::AutoExposure;
@@ -48,6 +49,7 @@ pub struct App {
     pub(super) solo: Option<(usize, Lighting)>,
     pub(super) notice: Option<Notice>,
     pub(super) last_change: String,
+    pub(super) auditor: Auditor,
     pub(super) files: Files,
     pub(super) path_dialog: Option<PathDialog>,
     pub(super) help_open: bool,
@@ -108,6 +110,7 @@ impl App {
             solo: None,
             notice: None,
             last_change: String::new(),
+            auditor: Auditor::default(),
             files: Files::new(cc.egui_ctx.clone()),
             path_dialog: None,
             help_open: false,
@@ -189,6 +192,7 @@ impl App {
         }
         let time = ctx.input(|i| i.time);
         self.follow_error(time);
+        self.audit(ctx, time);
         for news in self.files.news() {
             self.file_news(news, time);
         }
@@ -203,6 +207,19 @@ impl App {
             }
         }
         self.take_screenshot();
+    }
+
+    /// Lets the background check follow the light, and solves on where a goal asks for it.
+    fn audit(&mut self, ctx: &egui::Context, time: f64) {
+        let wake = ctx.clone();
+        let wake = move || wake.request_repaint();
+        let (next, again) = self.auditor.follow(&self.snapshot, &self.edits.lighting, time, wake);
+        if let Some(settings) = next {
+            self.worker.set_settings(settings);
+        }
+        if let Some(seconds) = again {
+            ctx.request_repaint_after_secs(seconds as f32);
+        }
     }
 
     /// Shows a new error of the worker, and takes it away once the worker has got over it.
@@ -291,6 +308,7 @@ impl App {
         side(egui::Panel::right("right")).show_collapsible(ui, &mut right_open, |ui| {
             scroll(ui, "right scroll", |ui| {
                 panels::section(ui, "Solver", true, |ui| panels::solver::show_or_hint(ui, &model, out));
+                panels::section(ui, "Accuracy", true, |ui| panels::accuracy::show(ui, &model, out));
                 panels::section(ui, "Display", true, |ui| panels::display::show(ui, &model, out));
                 panels::section(ui, "Inspect", true, |ui| panels::inspect::show(ui, &model, out));
             });
@@ -323,6 +341,7 @@ impl App {
             solo: self.solo.as_ref().map(|(lamp, _)| *lamp),
             has_comparison: self.picture.has_comparison(),
             last_change: &self.last_change,
+            auditor: &self.auditor,
             can: [self.history.can_undo(), self.history.can_redo()],
             frame_secs: self.frame_secs,
             memory: self.memory.1,

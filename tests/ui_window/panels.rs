@@ -14,6 +14,12 @@ fn click(harness: &mut Harness<'_, App>, name: &str) {
     harness.run_steps(3);
 }
 
+/// Scrolls a panel until this is in view.
+fn reveal(harness: &mut Harness<'_, App>, name: &str) {
+    harness.get_by_label(name).scroll_to_me();
+    harness.run_steps(20);
+}
+
 fn press(harness: &mut Harness<'_, App>, key: Key) {
     harness.key_press(key);
     harness.run_steps(3);
@@ -121,10 +127,23 @@ fn the_display_panel_chooses_what_is_shown() {
 #[test]
 fn the_difference_to_a_stored_light_can_be_shown() {
     let mut harness = window(&Counting::showing(solved()), false);
+    reveal(&mut harness, "Store light as A");
     click(&mut harness, "Store light as A");
     click(&mut harness, "Ceiling lamp");
     click(&mut harness, "Show difference to A");
     assert_eq!(harness.state().edits().display.quantity, Quantity::Difference);
+}
+
+#[test]
+fn a_goal_is_an_error_or_a_time_and_waits_for_the_check() {
+    let worker = Counting::showing(solved());
+    let mut harness = window(&worker, false);
+    assert!(harness.query_by_label("Error to reach").is_some());
+    click(&mut harness, "In time");
+    assert!(harness.query_by_label("Time to solve in").is_some());
+    // The light is not checked yet: there is nothing to foresee a solve from.
+    click(&mut harness, "Reach it");
+    assert!(worker.requests().iter().all(|r| !r.starts_with("settings")), "no solve without a check");
 }
 
 #[test]

@@ -1,5 +1,6 @@
 //! The panels. Each shows a [`Model`] and answers with commands; none changes anything itself.
 
+pub(super) mod accuracy;
 pub(super) mod display;
 pub(super) mod help;
 pub(super) mod inspect;
@@ -10,6 +11,7 @@ pub(super) mod solver;
 pub(super) mod status;
 pub(super) mod views;
 
+use super::auditor::Auditor;
 use super::command::Command;
 use super::state::{Edits, UiState};
 use crate::display::FalseColour;
@@ -58,6 +60,8 @@ pub(super) struct Model<'a> {
     pub(super) has_comparison: bool,
     /// What the last edit recomputed.
     pub(super) last_change: &'a str,
+    /// How wrong the picture is, and what solves cost.
+    pub(super) auditor: &'a Auditor,
     /// Undo and redo.
     pub(super) can: [bool; 2],
     /// Seconds that the last frames took on average.
