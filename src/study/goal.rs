@@ -111,6 +111,8 @@ pub fn reach(
     let mut best: Option<(Solved, SolveSettings, Option<ErrorBudget>)> = None;
     let mut limits = Limits { fewest: 1.0, most: MOST_PATCHES, gigabytes: memory };
     let mut next = Fineness { patches: FIRST.0 as f64, lines: f64::from(FIRST.1) };
+    // Of the last whole solve, and by how much smaller the next is to be than the time would allow.
+    let (mut solved_at, mut share) = (next, 1.0);
     let mut obstacle = None;
 
     while attempts.len() < MOST_SOLVES {
@@ -123,6 +125,12 @@ pub fn reach(
             Ok(Outcome::Whole(solved)) => (*solved, true),
             Ok(Outcome::Part(solved)) => (*solved, false),
             Ok(Outcome::TooLong) => {
+                share *= 0.5;
+                let smaller = model.best_within(TIME_AIM * share * left(), limits);
+                if let Some(fineness) = smaller.filter(|f| share > 0.2 && finer(*f, solved_at)) {
+                    next = fineness;
+                    continue;
+                }
                 obstacle = Some("the next step would not have ended in time".to_owned());
                 break;
             }
@@ -165,7 +173,7 @@ pub fn reach(
             Goal::Seconds(_) => AuditSettings {
                 precision: 0.15,
                 resolve: 2e-3,
-                seconds: (0.5 * seconds).max(0.1).min(0.12 * left()),
+                seconds: (0.3 * seconds).max(0.15).min(0.4 * left()),
                 ..AuditSettings::default()
             },
         };
@@ -183,6 +191,8 @@ pub fn reach(
             limits.fewest = solved.mesh.patches.len() as f64;
         }
         best = Some((solved, settings, budget));
+
+        solved_at = next;
 
         // Is it enough, and if not, what next?
         match goal {
@@ -206,7 +216,7 @@ pub fn reach(
                 }
             }
             Goal::Seconds(_) => {
-                let Some(fineness) = model.best_within(TIME_AIM * left(), limits) else { break };
+                let Some(fineness) = model.best_within(TIME_AIM * share * left(), limits) else { break };
                 let gain =
                     model.error(fineness).zip(model.error(next)).is_none_or(|(new, old)| new < 0.8 * old);
                 if !gain || !finer(fineness, next) {
@@ -218,7 +228,8 @@ pub fn reach(
     }
     let Some((solved, settings, budget)) = best else { return Err(PipelineError::Cancelled) };
     let seconds = started.elapsed().as_secs_f64();
-    let (met, verdict) = verdict(goal, budget.as_ref(), seconds, obstacle);
+    let foreseen = model.error(solved_at);
+    let (met, verdict) = verdict(goal, budget.as_ref(), foreseen, seconds, obstacle);
     Ok(Reached { solved, settings, budget, met, complete: true, verdict, attempts, model, seconds })
 }
 
@@ -253,6 +264,7 @@ fn settings_of(fineness: Fineness, goal: Goal, effects: &EffectChoices) -> Solve
 fn verdict(
     goal: Goal,
     budget: Option<&ErrorBudget>,
+    foreseen: Option<f64>,
     seconds: f64,
     obstacle: Option<String>,
 ) -> (bool, String) {
@@ -277,13 +289,22 @@ fn verdict(
         }
         (Goal::Error(_), None) => (false, format!("the error is not known{because}")),
         (Goal::Seconds(asked), found) => {
-            let error = found.map_or("not known".to_owned(), |f| {
-                format!("{} ({} to {})", percent(f.total.error), percent(f.total.low), percent(f.total.high))
-            });
+            let error = match (found, foreseen) {
+                (Some(f), _) => format!(
+                    "error {} ({} to {})",
+                    percent(f.total.error),
+                    percent(f.total.low),
+                    percent(f.total.high)
+                ),
+                (None, Some(foreseen)) => {
+                    format!("error foreseen at {}, with no time left to check it", percent(foreseen))
+                }
+                (None, None) => "error not known".to_owned(),
+            };
             let met = seconds <= asked;
             let over =
                 if met { String::new() } else { format!(", {:.2} s more than asked for", seconds - asked) };
-            (met, format!("{seconds:.2} s of {asked} s{over}, error {error}{because}"))
+            (met, format!("{seconds:.2} s of {asked} s{over}, {error}{because}"))
         }
     }
 }

@@ -121,7 +121,7 @@ fn chart(ui: &mut egui::Ui, model: &Model<'_>, out: &mut Commands) {
     let decade = |value: f64, unit: &str| {
         let exponent = value.round();
         if (value - exponent).abs() < 1e-6 {
-            format!("{} {unit}", units::digits(10.0_f64.powf(exponent)))
+            format!("{:.*} {unit}", (-exponent).max(0.0) as usize, 10.0_f64.powf(exponent))
         } else {
             String::new()
         }
@@ -238,5 +238,11 @@ fn goal(ui: &mut egui::Ui, model: &Model<'_>, out: &mut Commands) {
 }
 
 fn percent(share: f64) -> String {
-    if share.is_finite() { format!("{} %", units::digits(100.0 * share)) } else { "unknown".to_owned() }
+    if !share.is_finite() {
+        "unknown".to_owned()
+    } else if share > 0.0 && share < 1e-5 {
+        "< 0.001 %".to_owned()
+    } else {
+        format!("{} %", units::digits(100.0 * share))
+    }
 }
