@@ -86,6 +86,9 @@ pub struct ErrorBudget {
     pub total: Estimate,
     /// Of the mean irradiance of a patch, form factors and mesh together: what a table is off by.
     pub averages: Estimate,
+    /// As `total`, but relative to the irradiance shown at each place where that is more than the mean:
+    /// a lamp's close surroundings do not rule it.
+    pub local: Estimate,
     /// Mean luminance of irradiance over the receiving area, W/m².
     pub mean_irradiance: f64,
     /// Receivers asked.
@@ -126,6 +129,7 @@ struct Found {
     mesh: Sample,
     total: Sample,
     averages: Sample,
+    local: Sample,
     /// Rays cast.
     rays: u64,
 }
@@ -150,7 +154,7 @@ const TRIAL_RAYS: u32 = 64;
 const BATCH: usize = 64;
 /// Rays along the cosine that one gathering takes at most.
 const MOST_RAYS: u32 = 1 << 16;
-/// An error below a mark is known well enough at this relative half width.
+/// To be known as above or below a mark, an error must be known to this relative half width.
 const LOOSE: f64 = 0.3;
 /// Receivers for which the time should do, where it is short.
 const FEWEST: f64 = 160.0;
@@ -252,8 +256,7 @@ impl<'a> Audit<'a> {
             batch += 1;
             let total = self.estimate(&found, |f| f.total);
             let width = total.relative_half_width();
-            // Above the mark is above it; to lie below it the error must be known to some extent.
-            let decided = settings.decide.is_some_and(|d| total.low > d || total.high < d && width < LOOSE);
+            let decided = width < LOOSE && settings.decide.is_some_and(|d| total.low > d || total.high < d);
             let factors = || self.estimate(&found, |f| f.form_factors);
             let known =
                 |e: Estimate| e.relative_half_width() < settings.precision || e.high < settings.resolve;
@@ -290,6 +293,7 @@ impl<'a> Audit<'a> {
             solver,
             total,
             averages: self.estimate(&found, |f| f.averages),
+            local: self.estimate(&found, |f| f.local),
             mean_irradiance: self.mean,
             receivers: found.len(),
             rays,
@@ -405,6 +409,7 @@ impl<'a> Audit<'a> {
             mesh: sample([0, 1].map(|k| (shown - by_row) - (there[k].shown - whole[k].constant))),
             total: sample([0, 1].map(|k| shown - there[k].shown)),
             averages: sample([0, 1].map(|k| by_row - whole[k].shown)),
+            local: sample([0, 1].map(|k| (shown - there[k].shown) / relative(shown).max(1.0))),
             rays: cast,
         })
     }

@@ -51,6 +51,7 @@ pub(super) fn lines(budget: &ErrorBudget) -> String {
         line("solver", budget.solver.estimate),
         line("in all, as shown", budget.total),
         line("patch averages", budget.averages),
+        line("of the light there", budget.local),
     ];
     format!(
         "error of irradiance, RMS of the mean of {} lx ({}, {} rays, {}):\n{}",
@@ -104,6 +105,7 @@ pub(super) fn report(
         solver_bound_percent: 100.0 * budget.solver.bound,
         as_shown: error(budget.total, None),
         patch_averages: error(budget.averages, None),
+        of_the_light_there: error(budget.local, None),
         mean_illuminance_lx: LUMINOUS_EFFICACY * budget.mean_irradiance,
         receivers: budget.receivers,
         rays: budget.rays,

@@ -251,6 +251,8 @@ pub struct AccuracyReport {
     pub as_shown: ErrorReport,
     /// Form factors and patches together, of the mean irradiance of a patch.
     pub patch_averages: ErrorReport,
+    /// Of the irradiance as shown, relative to that at each place where it is more than the mean.
+    pub of_the_light_there: ErrorReport,
     /// What percents are of, lx.
     pub mean_illuminance_lx: f64,
     /// Receivers asked.

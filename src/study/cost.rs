@@ -141,10 +141,10 @@ impl CostModel {
             return MESH_BY_PATCHES;
         };
         let ratio = fine.fineness.patches / coarse.fineness.patches;
-        if ratio < 1.5 {
+        if ratio < 2.5 {
             return MESH_BY_PATCHES;
         }
-        ((coarse.mesh / fine.mesh).ln() / ratio.ln()).clamp(0.3, 1.2)
+        ((coarse.mesh / fine.mesh).ln() / ratio.ln()).clamp(0.45, 1.0)
     }
 
     /// The cheapest fineness whose error stays below `error`, within `gigabytes` and above the patches

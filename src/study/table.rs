@@ -40,7 +40,7 @@ impl Default for Entry {
 const HEADER: &str = "scene,hash,threads,method,resolution,patches_wanted,patches,seconds_mesh,seconds_rows,\
     seconds_balance,seconds_sweeps,seconds_total,peak_memory_bytes,form_factors,form_factors_low,\
     form_factors_high,patch_error,patch_error_low,patch_error_high,solver,solver_low,solver_high,solver_bound,\
-    total,total_low,total_high,averages,averages_low,averages_high,mean_irradiance,receivers,rays,audit_seconds";
+    total,total_low,total_high,averages,averages_low,averages_high,local,local_low,local_high,mean_irradiance,receivers,rays,audit_seconds";
 
 /// Writes all rows; errors are shares of the mean irradiance.
 ///
@@ -72,7 +72,7 @@ pub fn write(path: &Path, rows: &[Row]) -> Result<(), ExportError> {
                 write!(file, ",{:.4e},{:.4e},{:.4e}", e.error, e.low, e.high)?;
             }
             write!(file, ",{:.4e}", b.solver.bound)?;
-            for e in [b.total, b.averages] {
+            for e in [b.total, b.averages, b.local] {
                 write!(file, ",{:.4e},{:.4e},{:.4e}", e.error, e.low, e.high)?;
             }
             writeln!(file, ",{:.6e},{},{},{:.3}", b.mean_irradiance, b.receivers, b.rays, b.seconds)?;
@@ -105,6 +105,8 @@ fn parse_row(names: &[&str], line: &str) -> Option<Row> {
         mesh: estimate("patch_error")?,
         total: estimate("total")?,
         averages: estimate("averages")?,
+        // A table of before this column was there is read all the same.
+        local: estimate("local").unwrap_or_default(),
         mean_irradiance: number("mean_irradiance")?,
         receivers: count("receivers")? as usize,
         rays: count("rays")?,

@@ -28,13 +28,15 @@ pub(in crate::ui) fn show(ui: &mut egui::Ui, model: &Model<'_>, out: &mut Comman
         let label = ui.label(RichText::new(word).color(colour));
         if let Some(budget) = &auditor.budget {
             label.on_hover_text(format!(
-                "RMS of illuminance as shown, of its mean of {} lx.\n95 %: {} to {}. {} receivers, {} rays, {}.",
+                "RMS of illuminance as shown, of its mean of {} lx.\n95 %: {} to {}. {} receivers, {} rays, {}.\n\
+                 Relative to the light at each bright place: {}.",
                 units::digits(crate::scene::LUMINOUS_EFFICACY * budget.mean_irradiance),
                 percent(budget.total.low),
                 percent(budget.total.high),
                 units::count(budget.receivers),
                 units::count(budget.rays as usize),
                 units::duration(budget.seconds),
+                percent(budget.local.error),
             ));
         }
         ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
