@@ -206,7 +206,7 @@ pub fn reach(
                     break;
                 }
                 // After a miss the aim is closer: what was foreseen proved too bright a view.
-                let shortfall = foreseen_error.map_or(1.0, |f| (f / budget.total.error).clamp(0.5, 1.0));
+                let shortfall = foreseen_error.map_or(1.0, |f| (f / budget.total.error).clamp(0.85, 1.0));
                 match model.cheapest(AIM * error * shortfall, limits) {
                     Some(fineness) if finer(fineness, next) => next = fineness,
                     _ => {

@@ -15,7 +15,7 @@ use std::sync::{Arc, Weak};
 /// A light that stands for this long is worth checking, seconds.
 const SETTLED_SECS: f64 = 0.6;
 /// Audits run on one thread, for no longer than this.
-const AUDIT_SECS: f64 = 30.0;
+const AUDIT_SECS: f64 = 8.0;
 /// Solves that are made to come nearer to a goal before it is given up.
 const MOST_STEPS: u32 = 5;
 /// Points of the predicted curve.
@@ -64,6 +64,8 @@ pub(super) struct Auditor {
     pub(super) goal: Goal,
     /// Of the picture on screen; `None` while it is not known.
     pub(super) budget: Option<ErrorBudget>,
+    /// The last audit found no light to check.
+    pub(super) is_dark: bool,
     /// All solves of the scene, oldest first; the last one is on screen.
     pub(super) finished: Vec<Finished>,
     /// Foreseen errors of solves of rising cost: seconds and share.
@@ -88,6 +90,7 @@ impl Default for Auditor {
             on: true,
             goal: Goal::Error(0.01),
             budget: None,
+            is_dark: false,
             finished: Vec::new(),
             curve: Vec::new(),
             verdict: String::new(),
@@ -158,6 +161,7 @@ impl Auditor {
             self.job = None;
             self.note_solve(snapshot, &bases);
             self.budget = None;
+            self.is_dark = false;
             self.standing = Some((bases.clone(), lighting.clone(), time));
         }
         let since = self.standing.as_ref().map_or(time, |s| s.2);
@@ -229,6 +233,7 @@ impl Auditor {
         };
         self.job = None;
         self.budget = answer;
+        self.is_dark = answer.is_none();
         let budget = answer?;
         if let Some(last) = self.finished.last_mut() {
             last.budget = Some(budget);

@@ -21,6 +21,7 @@ pub(in crate::ui) fn show(ui: &mut egui::Ui, model: &Model<'_>, out: &mut Comman
         let word = match (&auditor.budget, model.snapshot.stage) {
             (Some(budget), _) => format!("Error {}", percent(budget.total.error)),
             (None, Stage::Converged) if !auditor.on => "Not checked".to_owned(),
+            (None, Stage::Converged) if auditor.is_dark => "No light to check".to_owned(),
             (None, Stage::Converged) => "Checking by rays".to_owned(),
             (None, _) => "Known once the light has settled".to_owned(),
         };
