@@ -18,10 +18,15 @@ const ROOMS: &[(&str, &str)] = &[
     ("render", "display mesh scene geometry"),
     ("export", ""),
     ("outputs", "export render display solver form_factors effects mesh scene geometry"),
-    ("ui", "outputs export render display session accuracy solver form_factors effects mesh scene geometry"),
+    ("study", "export display session accuracy solver form_factors effects mesh scene geometry"),
+    (
+        "ui",
+        "study outputs export render display session accuracy solver form_factors effects mesh scene geometry",
+    ),
     (
         "cli",
-        "ui outputs export render display validate session accuracy solver form_factors effects mesh scene geometry",
+        "ui study outputs export render display validate session accuracy solver form_factors effects mesh scene \
+         geometry",
     ),
 ];
 
@@ -37,6 +42,7 @@ const CRATES: &[(&str, &[&str])] = &[
     ("anyhow", &["cli"]),
     ("signal_hook", &["cli"]),
     ("exr", &["export"]),
+    ("resvg", &["export"]),
     ("tobj", &["scene"]),
 ];
 

@@ -3,6 +3,8 @@
 //! Exit codes: 0 done, 1 the command itself failed (a file could not be written, `check` found
 //! errors, `validate` a wrong value), 2 wrong usage or bad input. An interrupt ends the process by its signal.
 
+mod accuracy;
+mod budget;
 mod check;
 mod failure;
 mod interrupt;
@@ -39,6 +41,7 @@ struct Arguments {
 #[derive(Debug, Subcommand)]
 enum Command {
     Solve(Box<solve::Arguments>),
+    Accuracy(accuracy::Arguments),
     Scenes(scenes::Arguments),
     Check(check::Arguments),
     Plan(plan::Arguments),
@@ -59,6 +62,7 @@ pub fn run() -> ExitCode {
     let result = match &arguments.command {
         None => window::run(&arguments.window),
         Some(Command::Solve(arguments)) => solve::run(arguments),
+        Some(Command::Accuracy(arguments)) => accuracy::run(arguments),
         Some(Command::Scenes(arguments)) => scenes::run(arguments),
         Some(Command::Check(arguments)) => check::run(arguments),
         Some(Command::Plan(arguments)) => plan::run(arguments),

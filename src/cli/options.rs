@@ -102,12 +102,17 @@ impl SolveOptions {
 
     /// Lets `--threads` rule over all parallel work of the process. To be called before any.
     pub(super) fn set_threads(&self) -> Result<(), Failure> {
-        let Some(threads) = self.threads else { return Ok(()) };
-        rayon::ThreadPoolBuilder::new()
-            .num_threads(usize::from(threads))
-            .build_global()
-            .map_err(|error| Failure::work(anyhow::Error::new(error).context("cannot start the threads")))
+        set_threads(self.threads)
     }
+}
+
+/// As [`SolveOptions::set_threads`]; `None` leaves all cores at work.
+pub(super) fn set_threads(threads: Option<u16>) -> Result<(), Failure> {
+    let Some(threads) = threads else { return Ok(()) };
+    rayon::ThreadPoolBuilder::new()
+        .num_threads(usize::from(threads))
+        .build_global()
+        .map_err(|error| Failure::work(anyhow::Error::new(error).context("cannot start the threads")))
 }
 
 fn methods() -> impl TypedValueParser<Value = Method> {

@@ -40,6 +40,22 @@ impl ProgressLine {
         self.show(stage, || format!("{}, {name}", line(stage, done as f64 / all.max(1) as f64)));
     }
 
+    /// Shows that an answer is being checked.
+    pub(super) fn audit(&mut self) {
+        self.show("checking", || "checking by independent rays".to_owned());
+    }
+
+    /// Shows how much of a sweep is done, 0 to 1, and what it is at; without progress it is checking.
+    pub(super) fn sweep(&mut self, share: f64, what: &str, progress: Option<&Progress<'_>>) {
+        const BAR: usize = 24;
+        self.show("sweep", || {
+            let full = (share.clamp(0.0, 1.0) * BAR as f64) as usize;
+            let stage = progress.map_or("checking", |p| stage_name(p.stage));
+            let part = progress.map_or(String::new(), |p| format!(" {:.0} %", 100.0 * p.fraction));
+            format!("[{:<BAR$}] {:3.0} %  {what}: {stage}{part}", "#".repeat(full), 100.0 * share)
+        });
+    }
+
     fn show(&mut self, stage: &'static str, line: impl FnOnce() -> String) {
         let interval = Duration::from_millis(if self.terminal { 100 } else { 10_000 });
         if self.last.is_some_and(|(last, at)| last == stage && at.elapsed() < interval) {

@@ -110,6 +110,7 @@ pub(super) fn report(
             escaped: Some(sweep.escaped),
         }),
         power_as_switched: power(&solved.mesh, lighting, light, &solved.reflectance),
+        accuracy: None,
         peak_memory_bytes: peak_memory_bytes(),
         outputs,
     }

@@ -1,3 +1,4 @@
+use super::budget;
 use super::failure::Failure;
 use super::lamps;
 use super::options::{self, SolveOptions};
@@ -11,6 +12,7 @@ use crate::outputs::{LitScene, StillKind, save_patch_table};
 use crate::scene::{self, Lighting, Scene, SceneSource, Severity, View, illuminance};
 use crate::session::{self, Control, Progress, SolveSettings, Solved};
 use crate::solver::PatchLight;
+use crate::study::Goal;
 use clap::{ArgGroup, Args};
 use glam::DVec3;
 use std::path::{Path, PathBuf};
@@ -74,12 +76,30 @@ pub(super) struct Arguments {
     /// Write irradiance and illuminance at the points
     #[arg(long, value_name = "OUT.csv", requires = "points")]
     irradiance: Option<PathBuf>,
+    /// Check the answer by independent rays and tell how wrong it is
+    #[arg(long)]
+    audit: bool,
+    /// Go on until the irradiance as shown is within this of the truth (RMS, of its mean): chooses
+    /// patches, lines and tolerance
+    #[arg(long, value_name = "SHARE", value_parser = budget::error_goal, conflicts_with_all = BY_GOAL)]
+    error: Option<f64>,
+    /// Get as near to the truth as this much time allows, as in 5s: chooses patches and lines
+    #[arg(long, value_name = "TIME", value_parser = budget::seconds_goal, conflicts_with_all = BY_GOAL,
+          conflicts_with = "error")]
+    budget: Option<f64>,
     /// Write counts, settings, timings, sweeps and the power balance
     #[arg(long, value_name = "OUT.json")]
     report: Option<PathBuf>,
 }
 
+/// What a goal chooses by itself.
+const BY_GOAL: [&str; 6] = ["patch_size", "patches", "patches_as_given", "method", "resolution", "tolerance"];
+
 impl Arguments {
+    fn goal(&self) -> Option<Goal> {
+        self.error.map(Goal::Error).or(self.budget.map(Goal::Seconds))
+    }
+
     fn outputs(&self) -> impl Iterator<Item = &Path> {
         let all = [&self.image, &self.patch_table, &self.mesh, &self.irradiance, &self.report];
         all.into_iter().filter_map(|output| output.as_deref())
@@ -155,8 +175,21 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
     arguments.check_outputs()?;
     let tour = arguments.tour(&scene)?;
 
-    let (solved, light) = solve(scene, &settings, &lighting)?;
+    let goal = arguments.goal();
+    let reached =
+        goal.map(|goal| budget::reach(&scene, &lighting, goal, &settings.effects, start)).transpose()?;
+    let (solved, light, settings) = match &reached {
+        Some(reached) => (reached.solved.clone(), reached.solved.light(&lighting), reached.settings.clone()),
+        None => {
+            let (solved, light) = solve(scene, &settings, &lighting)?;
+            (solved, light, settings)
+        }
+    };
     let solve_seconds = start.elapsed().as_secs_f64();
+    let audited = match &reached {
+        Some(reached) => reached.budget,
+        None => arguments.audit.then(|| budget::audit(&solved, &lighting)).flatten(),
+    };
     let outputs_start = Instant::now();
     let pictures = arguments.image.is_some() || arguments.tour.is_some() || arguments.mesh.is_some();
     if pictures {
@@ -184,10 +217,19 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
             total: start.elapsed().as_secs_f64(),
         };
         let others = arguments.outputs().filter(|other| other != path).map(|o| o.display().to_string());
-        let report = report::report(&solved, &settings, &lighting, &light, own, others.collect());
+        let accuracy =
+            audited.map(|found| budget::report(&found, &solved.timings, goal.zip(reached.as_ref())));
+        let mut report = report::report(&solved, &settings, &lighting, &light, own, others.collect());
+        report.accuracy = accuracy;
         export::write_report(path, &report)?;
     }
     let mut told = summary(&solved, &settings, solve_seconds);
+    if let Some(found) = &audited {
+        told += &budget::lines(found);
+    }
+    if let Some(reached) = &reached {
+        told += &budget::verdict_lines(reached);
+    }
     for output in arguments.outputs() {
         told += &format!("wrote {}\n", output.display());
     }

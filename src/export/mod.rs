@@ -3,6 +3,7 @@
 //! Takes plain values: who has a solved scene turns it into them.
 
 pub mod atomic;
+mod chart;
 mod csv;
 mod error;
 mod exr;
@@ -11,6 +12,7 @@ mod png;
 mod points;
 mod report;
 
+pub use chart::{Chart, ChartPoint, Panel, Series};
 pub use csv::{PatchRow, write_patch_table};
 pub use error::ExportError;
 pub use exr::{StillLayers, write_exr};
@@ -18,6 +20,7 @@ pub use ply::{LitMesh, write_ply};
 pub use png::write_png;
 pub use points::{PointsError, SurfacePoint, parse_points, read_points, write_irradiance};
 pub use report::{
-    EffectReport, FindingReport, FormFactorReport, LampReport, MaterialReport, MeshReport, PowerReport,
-    Report, SceneReport, SettingsReport, SweepLine, TimingReport, peak_memory_bytes, write_report,
+    AccuracyReport, AttemptReport, EffectReport, ErrorReport, FindingReport, FormFactorReport, GoalReport,
+    LampReport, MaterialReport, MeshReport, PowerReport, Report, SceneReport, SettingsReport, SweepLine,
+    TimingReport, peak_memory_bytes, write_report,
 };

@@ -30,6 +30,8 @@ pub struct Report {
     pub power: Option<PowerReport>,
     /// Power emitted and absorbed with the lamps as switched on the command line, W.
     pub power_as_switched: PowerReport,
+    /// How wrong the answer is; `null` where it was not audited.
+    pub accuracy: Option<AccuracyReport>,
     /// The most memory that the process ever held, bytes; `null` where the system does not tell.
     pub peak_memory_bytes: Option<u64>,
     /// Files written besides this one.
@@ -219,6 +221,84 @@ pub struct PowerReport {
     pub absorbed: f64,
     /// Through openings; `null` where it was not counted by itself.
     pub escaped: Option<f64>,
+}
+
+/// An error as root mean square over the receiving area, percent of the mean irradiance.
+#[derive(Clone, Copy, Debug, Serialize)]
+pub struct ErrorReport {
+    /// The estimate.
+    pub percent: f64,
+    /// Lower end of the 95 % interval.
+    pub low: f64,
+    /// Upper end; `null` where too little is known.
+    pub high: Option<f64>,
+    /// Seconds spent on keeping it down; `null` for sums of errors.
+    pub seconds: Option<f64>,
+}
+
+/// The error budget.
+#[derive(Clone, Debug, Serialize)]
+pub struct AccuracyReport {
+    /// Form factors and visibility.
+    pub form_factors: ErrorReport,
+    /// Patches: discretisation.
+    pub patches: ErrorReport,
+    /// Sweeps that are missing.
+    pub solver: ErrorReport,
+    /// Guaranteed bound on the latter at any patch, percent of the mean irradiance.
+    pub solver_bound_percent: f64,
+    /// All together, of the irradiance as shown.
+    pub as_shown: ErrorReport,
+    /// Form factors and patches together, of the mean irradiance of a patch.
+    pub patch_averages: ErrorReport,
+    /// Of the irradiance as shown, relative to that at each place where it is more than the mean.
+    pub of_the_light_there: ErrorReport,
+    /// What percents are of, lx.
+    pub mean_illuminance_lx: f64,
+    /// Receivers asked.
+    pub receivers: usize,
+    /// Rays cast.
+    pub rays: u64,
+    /// Seconds that this took.
+    pub audit_seconds: f64,
+    /// The goal of the solve; `null` where none was named.
+    pub goal: Option<GoalReport>,
+}
+
+/// What the user asked for and what came of it.
+#[derive(Clone, Debug, Serialize)]
+pub struct GoalReport {
+    /// Error asked for; `null` where a time was.
+    pub asked_percent: Option<f64>,
+    /// Seconds asked for; `null` where an error was.
+    pub asked_seconds: Option<f64>,
+    /// Whether it was met.
+    pub met: bool,
+    /// Whether all rows and sweeps of the answer were made.
+    pub complete: bool,
+    /// One sentence.
+    pub verdict: String,
+    /// Seconds in all, audits included.
+    pub seconds: f64,
+    /// The solves on the way.
+    pub attempts: Vec<AttemptReport>,
+}
+
+/// One solve on the way to a goal.
+#[derive(Clone, Copy, Debug, Serialize)]
+pub struct AttemptReport {
+    /// Patches.
+    pub patches: usize,
+    /// Half-planes a row.
+    pub lines: u32,
+    /// Seconds that it took.
+    pub seconds: f64,
+    /// Seconds foreseen; `null` for the first.
+    pub predicted_seconds: Option<f64>,
+    /// Error as shown; `null` where it was not audited.
+    pub percent: Option<f64>,
+    /// Error foreseen; `null` for the first.
+    pub predicted_percent: Option<f64>,
 }
 
 /// Writes the report as indented JSON.

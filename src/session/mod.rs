@@ -7,7 +7,7 @@ mod threads;
 mod worker;
 
 pub use pipeline::{
-    Control, PipelineError, Prepared, Progress, Run, SolveSettings, Solved, Stage, Timings,
+    Control, PipelineError, Prepared, Progress, Run, SolveSettings, Solved, Stage, Timings, available_bytes,
     patch_reflectance, prepare, solve, system,
 };
 pub use worker::{MaterialEdit, Session, Snapshot};

@@ -434,8 +434,8 @@ fn check_memory(computer: &RowComputer, system: &System) -> Result<(), PipelineE
     })
 }
 
-/// Memory that can be had without swapping, where the system tells (Linux).
-fn available_bytes() -> Option<f64> {
+/// Memory that can be had without swapping, bytes, where the system tells (Linux).
+pub fn available_bytes() -> Option<f64> {
     let text = std::fs::read_to_string("/proc/meminfo").ok()?;
     let line = text.lines().find_map(|l| l.strip_prefix("MemAvailable:"))?;
     line.trim().strip_suffix("kB")?.trim().parse::<f64>().ok().map(|kb| kb * 1024.0)

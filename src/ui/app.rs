@@ -1,5 +1,6 @@
 //! The window as a whole: what it holds, and the order of a frame.
 
+use super::auditor::Auditor;
 use super::camera_control::CameraControl;
 use super::command::EditKey;
 use super::exposure::AutoExposure;
@@ -61,6 +62,7 @@ pub struct App {
     pub(super) solo: Option<(usize, Lighting)>,
     pub(super) notice: Option<Notice>,
     pub(super) last_change: String,
+    pub(super) auditor: Auditor,
     pub(super) files: Files,
     pub(super) path_dialog: Option<PathDialog>,
     pub(super) help_open: bool,
@@ -138,6 +140,7 @@ impl App {
             solo: None,
             notice: None,
             last_change: String::new(),
+            auditor: Auditor::default(),
             files: Files::new(cc.egui_ctx.clone()),
             path_dialog: None,
             help_open: false,
@@ -233,6 +236,7 @@ impl App {
         self.follow_microscope(ctx);
         let time = ctx.input(|i| i.time);
         self.follow_error(time);
+        self.audit(ctx, time);
         for news in self.files.news() {
             self.file_news(news, time);
         }
@@ -264,6 +268,19 @@ impl App {
         let news = self.microscope.follow(&self.snapshot, &shown, self.inspected, maps, ctx);
         if news && (quantity.is_defect() || quantity.is_row()) {
             self.stale.light = true;
+        }
+    }
+
+    /// Lets the background check follow the light, and solves on where a goal asks for it.
+    fn audit(&mut self, ctx: &egui::Context, time: f64) {
+        let wake = ctx.clone();
+        let wake = move || wake.request_repaint();
+        let (next, again) = self.auditor.follow(&self.snapshot, &self.edits.lighting, time, wake);
+        if let Some(settings) = next {
+            self.worker.set_settings(settings);
+        }
+        if let Some(seconds) = again {
+            ctx.request_repaint_after_secs(seconds as f32);
         }
     }
 
@@ -357,6 +374,7 @@ impl App {
                     panels::section(ui, "Inspect", true, |ui| panels::inspect::show(ui, &model, out));
                 }
                 panels::section(ui, "Solver", true, |ui| panels::solver::show_or_hint(ui, &model, out));
+                panels::section(ui, "Accuracy", true, |ui| panels::accuracy::show(ui, &model, out));
                 panels::section(ui, "Display", true, |ui| panels::display::show(ui, &model, out));
                 if model.inspected.is_none() {
                     panels::section(ui, "Inspect", true, |ui| panels::inspect::show(ui, &model, out));
@@ -404,6 +422,7 @@ impl App {
             can_tour: self.can_tour(),
             longest_secs: self.clock.longest(),
             last_change: &self.last_change,
+            auditor: &self.auditor,
             can: [self.history.can_undo(), self.history.can_redo()],
             frame_secs: self.frame_secs,
             memory: self.memory.1,

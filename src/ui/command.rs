@@ -1,6 +1,7 @@
 //! Everything that the window can be asked to do. Panels, menus, keys and clicks only make
 //! commands; one function carries them out.
 
+use super::auditor::Ask;
 use super::camera_control::Motion;
 use super::state::DisplaySettings;
 use crate::scene::{LampState, SceneSource};
@@ -103,6 +104,8 @@ pub(super) enum Command {
     Stop,
     /// Solve with other settings.
     Solve(SolveSettings),
+    /// How exact the light is, or is to become.
+    Accuracy(Ask),
     /// Look into this patch, or into none; its numbers come into view.
     Inspect(Option<u32>),
     /// Look into this patch; the panel stays where it is.

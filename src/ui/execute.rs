@@ -1,6 +1,7 @@
 //! Carrying commands out: the one place where the window changes.
 
 use super::app::App;
+use super::auditor::Ask;
 use super::camera_control::{CameraControl, Pose};
 use super::command::{Command, EditKey, SaveKind};
 use super::files::{SaveJob, free_name, pictures_folder};
@@ -98,6 +99,13 @@ impl App {
             Command::Pause(false) => self.worker.resume(),
             Command::Stop => self.worker.stop(),
             Command::Solve(settings) => self.worker.set_settings(settings),
+            Command::Accuracy(Ask::Switch(on)) => self.auditor.switch(on),
+            Command::Accuracy(Ask::SetGoal(goal)) => self.auditor.goal = goal,
+            Command::Accuracy(Ask::Reach) => {
+                if let Some(settings) = self.auditor.reach(&self.snapshot.settings) {
+                    self.worker.set_settings(settings);
+                }
+            }
             Command::Inspect(patch) => {
                 self.look_into(patch);
                 self.inspect_fresh = patch.is_some();

@@ -4,6 +4,7 @@
 //! behind [`Worker`]: nothing here waits for it.
 
 mod app;
+mod auditor;
 mod background;
 mod camera_control;
 mod collision;

@@ -9,6 +9,12 @@ use lumenwalk::scene::illuminance;
 use lumenwalk::session::Stage;
 use lumenwalk::ui::{App, Motion, Quantity, ShadingMode};
 
+/// Scrolls a panel until this is in view.
+fn reveal(harness: &mut Harness<'_, App>, name: &str) {
+    harness.get_by_label(name).scroll_to_me();
+    harness.run_steps(20);
+}
+
 /// Area-weighted mean illuminance, lux.
 fn mean_lux(harness: &Harness<'_, App>) -> f64 {
     let mesh = solved().mesh.clone().expect("meshed");
@@ -111,6 +117,7 @@ fn the_display_panel_chooses_what_is_shown() {
 #[test]
 fn the_difference_to_a_stored_light_can_be_shown() {
     let mut harness = window(&Counting::showing(solved()), false);
+    reveal(&mut harness, "Store as A");
     click(&mut harness, "Store as A");
     click(&mut harness, "Ceiling lamp");
     click(&mut harness, "Show difference to A");
@@ -199,6 +206,18 @@ fn a_tour_leads_through_the_bookmarks_until_one_moves() {
     harness.key_up(Key::W);
     harness.run_steps(2);
     assert!(harness.query_by_label("Stop tour").is_none(), "a step takes over");
+}
+
+#[test]
+fn a_goal_is_an_error_or_a_time_and_waits_for_the_check() {
+    let worker = Counting::showing(solved());
+    let mut harness = window(&worker, false);
+    assert!(harness.query_by_label("Error to reach").is_some());
+    click(&mut harness, "In time");
+    assert!(harness.query_by_label("Time to solve in").is_some());
+    // The light is not checked yet: there is nothing to foresee a solve from.
+    click(&mut harness, "Reach it");
+    assert!(worker.requests().iter().all(|r| !r.starts_with("settings")), "no solve without a check");
 }
 
 #[test]

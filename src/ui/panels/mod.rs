@@ -1,5 +1,6 @@
 //! The panels. Each shows a [`Model`] and answers with commands; none changes anything itself.
 
+pub(super) mod accuracy;
 pub(super) mod display;
 pub(super) mod help;
 mod hemicube;
@@ -14,6 +15,7 @@ pub(super) mod status;
 pub(super) mod table;
 pub(super) mod views;
 
+use super::auditor::Auditor;
 use super::command::Command;
 use super::microscope::Microscope;
 use super::state::{Edits, UiState};
@@ -79,6 +81,8 @@ pub(super) struct Model<'a> {
     pub(super) longest_secs: f64,
     /// What the last edit recomputed.
     pub(super) last_change: &'a str,
+    /// How wrong the picture is, and what solves cost.
+    pub(super) auditor: &'a Auditor,
     /// Undo and redo.
     pub(super) can: [bool; 2],
     /// Seconds that the last frames took on average.

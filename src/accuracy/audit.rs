@@ -1,0 +1,425 @@
+//! Draws receivers, asks the witness, and adds up the budget.
+
+use super::algebraic::gathered;
+use super::interval::{Estimate, Sample, estimate};
+use super::sobol::{mix, unit};
+use super::witness::{Receiver, Shown, Witness};
+use super::{AlgebraicError, algebraic_error};
+use crate::form_factors::FormFactors;
+use crate::mesh::PatchMesh;
+use crate::scene::luminance_weighted;
+use crate::solver::PatchLight;
+use rayon::prelude::*;
+use std::time::Instant;
+
+/// A solved scene under one lighting, as an audit sees it.
+#[derive(Clone, Copy, Debug)]
+pub struct Answer<'a> {
+    /// Its patches.
+    pub mesh: &'a PatchMesh,
+    /// All form factors.
+    pub form_factors: &'a FormFactors,
+    /// Light of each patch.
+    pub light: &'a PatchLight,
+    /// Exitance of each patch, W/m² per band.
+    pub exitance: &'a [[f32; 3]],
+    /// Reflectance of each patch per band.
+    pub reflectance: &'a [[f32; 3]],
+    /// The irradiance that the picture shows.
+    pub shown: &'a Shown,
+}
+
+/// How thorough an audit is.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct AuditSettings {
+    /// It ends once the half width of the total's interval is this part of the total; above zero.
+    pub precision: f64,
+    /// Whether the error of form factors is to be known as precisely.
+    pub parts: bool,
+    /// Errors below this (of the mean irradiance) need not be resolved; above zero.
+    pub resolve: f64,
+    /// It ends after about this many seconds with what it has.
+    pub seconds: f64,
+    /// Receivers at most; 64 or more.
+    pub receivers: usize,
+    /// It ends as soon as the total's interval lies on one side of this.
+    pub decide: Option<f64>,
+    /// Whether to use all threads of the pool, or the calling one alone.
+    pub parallel: bool,
+    /// Names the random choices: the same seed draws the same receivers and rays.
+    pub seed: u64,
+}
+
+impl Default for AuditSettings {
+    fn default() -> Self {
+        Self {
+            precision: 0.1,
+            parts: false,
+            resolve: 5e-4,
+            seconds: 10.0,
+            receivers: 4096,
+            decide: None,
+            parallel: true,
+            seed: 1,
+        }
+    }
+}
+
+/// How a mean error is passed on by later reflections: as one constant C over the scene, with
+/// C = c <rho e> / (1 - c <rho>), c the mean row sum and <> means over the area.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Interreflection {
+    /// c / (1 - c <rho>).
+    pub gain: f64,
+}
+
+/// The errors of an answer, relative to the mean irradiance of the receiving area.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct ErrorBudget {
+    /// Form factors and visibility.
+    pub form_factors: Estimate,
+    /// Patches: discretisation.
+    pub mesh: Estimate,
+    /// Sweeps that are missing.
+    pub solver: AlgebraicError,
+    /// Of the irradiance as shown, the solver's part included: what a point of the picture is off by.
+    pub total: Estimate,
+    /// Of the mean irradiance of a patch, form factors and mesh together: what a table is off by.
+    pub averages: Estimate,
+    /// As `total`, but relative to the irradiance shown at each place where that is more than the mean:
+    /// a lamp's close surroundings do not rule it.
+    pub local: Estimate,
+    /// Mean luminance of irradiance over the receiving area, W/m².
+    pub mean_irradiance: f64,
+    /// Receivers asked.
+    pub receivers: usize,
+    /// Rays cast.
+    pub rays: u64,
+    /// Seconds that the audit took.
+    pub seconds: f64,
+}
+
+/// One receiver that was asked, and how wrong the answer is there.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Checked {
+    /// The patch.
+    pub patch: u32,
+    /// How many times its share of the area it stands for, divided by the receivers asked.
+    pub weight: f64,
+    /// What the picture shows at a point of it less the truth, over the mean irradiance.
+    pub shown: f64,
+    /// What its row gathers less the truth, over the mean irradiance.
+    pub form_factors: f64,
+}
+
+/// What an audit found.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Findings {
+    /// The errors, added up.
+    pub budget: ErrorBudget,
+    /// Where they were looked for.
+    pub receivers: Vec<Checked>,
+}
+
+/// What one receiver brought: samples of the four errors.
+#[derive(Clone, Copy, Debug, Default)]
+struct Found {
+    patch: u32,
+    form_factors: Sample,
+    mesh: Sample,
+    total: Sample,
+    averages: Sample,
+    local: Sample,
+    /// Rays cast.
+    rays: u64,
+}
+
+/// How well a receiver is to be looked at.
+#[derive(Clone, Copy, Debug)]
+struct Care {
+    /// Squared noise of the witness to aim at for a patch mean and for a point, relative.
+    noise: [f64; 2],
+    /// Rays along the cosine that one gathering has at least and at most.
+    rays: [u32; 2],
+}
+
+/// Receivers of the pilot, which finds out how large the errors are.
+const PILOT: usize = 48;
+/// Rays along the cosine of each gathering in it.
+const PILOT_RAYS: u32 = 256;
+/// Every receiver is first tried by this many randomisations of so few rays, to choose how many it needs.
+const TRIALS: u64 = 4;
+const TRIAL_RAYS: u32 = 64;
+/// Receivers of one stratified batch.
+const BATCH: usize = 64;
+/// Rays along the cosine that one gathering takes at most.
+const MOST_RAYS: u32 = 1 << 16;
+/// To be known as above or below a mark, an error must be known to this relative half width.
+const LOOSE: f64 = 0.3;
+/// Receivers for which the time should do, where it is short.
+const FEWEST: f64 = 160.0;
+
+/// An audit ready to run.
+#[derive(Debug)]
+pub struct Audit<'a> {
+    answer: Answer<'a>,
+    witness: Witness<'a>,
+    radiosity: Vec<[f64; 3]>,
+    counts: Vec<bool>,
+    /// Running sum of the probabilities by which patches are drawn.
+    chance: Vec<f64>,
+    area: f64,
+    mean: f64,
+    interreflection: Interreflection,
+}
+
+impl<'a> Audit<'a> {
+    /// Readies the witness. `None` where no light arrives anywhere: there is nothing to be wrong about.
+    pub fn new(answer: Answer<'a>) -> Option<Self> {
+        let mesh = answer.mesh;
+        let n = mesh.patches.len();
+        if answer.form_factors.len() != n || answer.light.irradiance.len() != n {
+            return None;
+        }
+        let counts: Vec<bool> = mesh.patches.iter().map(|p| p.luminaire.is_none() && !p.buried).collect();
+        let lum = |v: [f32; 3]| luminance_weighted(v.map(f64::from));
+        let receiving = || (0..n).filter(|&i| counts[i]);
+        let area: f64 = receiving().map(|i| mesh.patches[i].area).sum();
+        let flux: f64 = receiving().map(|i| mesh.patches[i].area * lum(answer.light.irradiance[i])).sum();
+        let mean = flux / area;
+        if !(mean > 0.0 && mean.is_finite()) {
+            return None;
+        }
+        let witness = Witness::new(mesh, answer.light, answer.reflectance, answer.exitance, answer.shown);
+
+        // Patches are drawn by area and by how much the picture changes on them.
+        let unrest = |i: usize| {
+            let [low, high] = witness.shown_range(i as u32);
+            let change = high - low;
+            if change.is_finite() { change.max(0.0) } else { 0.0 }
+        };
+        let typical: f64 = receiving().map(|i| mesh.patches[i].area * unrest(i)).sum::<f64>() / area;
+        let floor = typical + 1e-6 * mean;
+        let mut sum = 0.0;
+        let chance: Vec<f64> = (0..n)
+            .map(|i| {
+                if counts[i] {
+                    sum += mesh.patches[i].area * (unrest(i) + floor);
+                }
+                sum
+            })
+            .collect();
+
+        let all: f64 = mesh.patches.iter().map(|p| p.area).sum();
+        let mean_of =
+            |f: &dyn Fn(usize) -> f64| (0..n).map(|i| mesh.patches[i].area * f(i)).sum::<f64>() / all;
+        let rho = mean_of(&|i| answer.reflectance.get(i).map_or(0.0, |&r| lum(r)));
+        let closed = mean_of(&|i| answer.form_factors.row_sum(i));
+        Some(Self {
+            answer,
+            witness,
+            radiosity: answer.light.radiosity.iter().map(|b| b.map(f64::from)).collect(),
+            counts,
+            chance,
+            area,
+            mean,
+            interreflection: Interreflection { gain: closed / (1.0 - closed * rho).max(1e-3) },
+        })
+    }
+
+    /// Runs until precise enough, out of time, or `stop` says so (polled for every receiver); the
+    /// budget is that of the receivers asked so far. `None` if they are too few to tell.
+    pub fn run(&self, settings: &AuditSettings, stop: &(dyn Fn() -> bool + Sync)) -> Option<Findings> {
+        let clock = Instant::now();
+        let out_of_time = || stop() || clock.elapsed().as_secs_f64() > settings.seconds;
+        let solver = algebraic_error(
+            self.answer.form_factors,
+            self.answer.light,
+            self.answer.reflectance,
+            &self.counts,
+            self.mean,
+        );
+        let rough = Care { noise: [f64::INFINITY; 2], rays: [PILOT_RAYS; 2] };
+        let pilot_clock = Instant::now();
+        let pilot = self.batch(PILOT, rough, mix(settings.seed), settings.parallel, &out_of_time);
+        let rays_per_second = count_rays(&pilot) as f64 / pilot_clock.elapsed().as_secs_f64().max(1e-6);
+        let rays_left = rays_per_second * (settings.seconds - clock.elapsed().as_secs_f64()).max(0.0);
+        let care = self.care(&pilot, rays_left, settings);
+
+        let mut found: Vec<Found> = Vec::new();
+        let mut batch = 1;
+        let most = settings.receivers.max(BATCH);
+        while found.len() < most && !out_of_time() {
+            let seed = mix(settings.seed).wrapping_add(batch);
+            let count = BATCH.min(most - found.len());
+            found.extend(self.batch(count, care, seed, settings.parallel, &out_of_time));
+            batch += 1;
+            let total = self.estimate(&found, |f| f.total);
+            let width = total.relative_half_width();
+            let decided = width < LOOSE && settings.decide.is_some_and(|d| total.low > d || total.high < d);
+            let factors = || self.estimate(&found, |f| f.form_factors);
+            let known =
+                |e: Estimate| e.relative_half_width() < settings.precision || e.high < settings.resolve;
+            if decided || (known(total) && (!settings.parts || known(factors()))) {
+                break;
+            }
+        }
+        let rays = count_rays(&pilot) + count_rays(&found);
+        if found.len() < BATCH / 4 {
+            // The pilot alone is rough, but as honest.
+            found.extend(pilot);
+        }
+        if found.len() < BATCH / 4 || stop() {
+            return None;
+        }
+        let mut total = self.estimate(&found, |f| f.total);
+        let with = |a: f64, b: f64| a.hypot(b);
+        total.error = with(total.error, solver.estimate.error);
+        total.low = with(total.low, solver.estimate.low);
+        total.high = with(total.high, solver.estimate.high);
+        let count = found.len() as f64;
+        let receivers = found
+            .iter()
+            .map(|f| Checked {
+                patch: f.patch,
+                weight: f.total.weight / count,
+                shown: f.total.deviation,
+                form_factors: f.form_factors.deviation,
+            })
+            .collect();
+        let budget = ErrorBudget {
+            form_factors: self.estimate(&found, |f| f.form_factors),
+            mesh: self.estimate(&found, |f| f.mesh),
+            solver,
+            total,
+            averages: self.estimate(&found, |f| f.averages),
+            local: self.estimate(&found, |f| f.local),
+            mean_irradiance: self.mean,
+            receivers: found.len(),
+            rays,
+            seconds: clock.elapsed().as_secs_f64(),
+        };
+        Some(Findings { budget, receivers })
+    }
+
+    fn estimate(&self, found: &[Found], of: impl Fn(&Found) -> Sample) -> Estimate {
+        let samples: Vec<Sample> = found.iter().map(of).collect();
+        estimate(&samples, self.interreflection.gain)
+    }
+
+    /// The witness' noise must not drown the errors, as far as there are `rays_left` for a good number
+    /// of receivers.
+    fn care(&self, pilot: &[Found], rays_left: f64, settings: &AuditSettings) -> Care {
+        let n = pilot.len().max(1) as f64;
+        let mean = |of: &dyn Fn(&Found) -> f64| pilot.iter().map(|f| f.total.weight * of(f)).sum::<f64>() / n;
+        let least = settings.resolve * settings.resolve;
+        let noise = [mean(&|f| f.form_factors.square), mean(&|f| f.total.square)].map(|e| e.max(least));
+        // A receiver casts five times as many rays as one gathering has along the cosine.
+        let most = (rays_left / (5.0 * FEWEST)).clamp(f64::from(TRIAL_RAYS) + 1.0, f64::from(MOST_RAYS));
+        Care { noise, rays: [TRIAL_RAYS, most as u32] }
+    }
+
+    /// Asks one receiver out of each of `count` strata of equal probability; those that there is time
+    /// for, in an order that has nothing to do with what they find.
+    fn batch(
+        &self,
+        count: usize,
+        care: Care,
+        seed: u64,
+        parallel: bool,
+        stop: &(dyn Fn() -> bool + Sync),
+    ) -> Vec<Found> {
+        let mut order: Vec<usize> = (0..count).collect();
+        order.sort_by_key(|&k| mix(seed ^ (k as u64 + 1).wrapping_mul(0xA076_1D64_78BD_642F)));
+        let one = |stratum: usize| {
+            if stop() {
+                return None;
+            }
+            let key = mix(seed).wrapping_add(16 * stratum as u64);
+            self.ask((stratum as f64 + unit(key)) / count as f64, care, key)
+        };
+        if parallel {
+            let mut found: Vec<(usize, Found)> =
+                order.into_par_iter().with_max_len(1).filter_map(|k| Some((k, one(k)?))).collect();
+            found.sort_by_key(|f| f.0);
+            found.into_iter().map(|f| f.1).collect()
+        } else {
+            order.sort_unstable();
+            order.into_iter().filter_map(one).collect()
+        }
+    }
+
+    /// Asks the receiver at `place` in 0..1 of the running probability.
+    fn ask(&self, place: f64, care: Care, key: u64) -> Option<Found> {
+        let all = *self.chance.last()?;
+        let i = self.chance.partition_point(|&c| c <= place * all).min(self.chance.len() - 1);
+        let own = self.chance[i] - if i > 0 { self.chance[i - 1] } else { 0.0 };
+        if own <= 0.0 {
+            return None;
+        }
+        let (patch, witness) = (i as u32, &self.witness);
+        let weight = self.answer.mesh.patches[i].area / self.area / (own / all);
+        let rho = luminance_weighted(self.answer.reflectance[i].map(f64::from));
+        let choice = witness.lamp_choice(patch);
+        let (point, shown) = witness.point_on(patch, unit(key + 1), unit(key + 2));
+        let relative = |h: f64| h / self.mean;
+        let by_row = luminance_weighted(gathered(self.answer.form_factors, i, &self.radiosity));
+        let places = [Receiver::Whole, Receiver::Point(point)];
+
+        // 1. A few rays, to see how many it takes: the variance falls as n^-1.5 across jumps.
+        let mut cast = 0;
+        let rays: [u32; 2] = std::array::from_fn(|kind| {
+            if care.rays[0] == care.rays[1] {
+                return care.rays[0];
+            }
+            let values: Vec<f64> = (0..TRIALS)
+                .map(|k| {
+                    let seed = mix(key ^ mix(100 + 2 * k + kind as u64));
+                    relative(witness.gather(patch, places[kind], &choice, TRIAL_RAYS, seed).shown)
+                })
+                .collect();
+            cast += TRIALS * with_lamps(TRIAL_RAYS);
+            let mean = values.iter().sum::<f64>() / TRIALS as f64;
+            let variance = values.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / (TRIALS - 1) as f64;
+            let factor = (variance / care.noise[kind]).powf(1.0 / 1.5);
+            (f64::from(TRIAL_RAYS) * factor).clamp(f64::from(care.rays[0]), f64::from(care.rays[1])) as u32
+        });
+
+        // 2. Two independent answers of the patch as a whole and of the point.
+        let [whole, there] = [0, 1].map(|kind| {
+            cast += 2 * with_lamps(rays[kind]);
+            [3, 4].map(|k| {
+                let seed = mix(key ^ mix(2 * k + kind as u64));
+                witness.gather(patch, places[kind], &choice, rays[kind], seed)
+            })
+        });
+        if shown > 0.0 && there.iter().all(|g| g.shown == 0.0) {
+            // Covered by something that stands on the patch: nobody sees this point.
+            return None;
+        }
+
+        let sample = |deviations: [f64; 2]| {
+            let [a, b] = deviations.map(relative);
+            let deviation = 0.5 * (a + b);
+            Sample { weight, square: a * b, deviation, reflected: rho * deviation }
+        };
+        Some(Found {
+            patch,
+            form_factors: sample([0, 1].map(|k| by_row - whole[k].constant)),
+            mesh: sample([0, 1].map(|k| (shown - by_row) - (there[k].shown - whole[k].constant))),
+            total: sample([0, 1].map(|k| shown - there[k].shown)),
+            averages: sample([0, 1].map(|k| by_row - whole[k].shown)),
+            local: sample([0, 1].map(|k| (shown - there[k].shown) / relative(shown).max(1.0))),
+            rays: cast,
+        })
+    }
+}
+
+/// Rays of one gathering, those towards lamps included.
+fn with_lamps(rays: u32) -> u64 {
+    u64::from(rays) + u64::from(rays / 4).max(16)
+}
+
+fn count_rays(found: &[Found]) -> u64 {
+    found.iter().map(|f| f.rays).sum()
+}

@@ -1,0 +1,294 @@
+//! Gathers irradiance by rays of its own against the true polygons.
+
+use super::sobol::Sobol;
+use crate::geometry::{Bvh, Frame, Ray};
+use crate::mesh::{NO_PATCH, PatchMesh};
+use crate::scene::luminance_weighted;
+use crate::solver::PatchLight;
+use glam::DVec3;
+use std::f64::consts::{PI, TAU};
+
+/// The irradiance that a picture shows, W/m² per band: a value at each corner of each side of each
+/// triangle of [`PatchMesh::triangles`], linear between them.
+#[derive(Clone, Debug, Default)]
+pub struct Shown {
+    /// `faces[2 * triangle + side]`; zero on sides without a patch.
+    pub faces: Vec<[[f32; 3]; 3]>,
+}
+
+impl Shown {
+    /// One value a patch: what a flat-shaded picture shows.
+    pub fn flat(mesh: &PatchMesh, irradiance: &[[f32; 3]]) -> Self {
+        let (_, pieces) = mesh.triangles();
+        let value = |patch: u32| [irradiance.get(patch as usize).copied().unwrap_or_default(); 3];
+        let faces = pieces.iter().flat_map(|&piece| mesh.pieces[piece as usize].patches.map(value)).collect();
+        Self { faces }
+    }
+}
+
+/// Where irradiance is gathered.
+#[derive(Clone, Copy, Debug)]
+pub enum Receiver {
+    /// At one point of a patch.
+    Point(DVec3),
+    /// As the mean over the whole patch.
+    Whole,
+}
+
+/// What the witness gathers, as luminance of irradiance, W/m².
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Gathered {
+    /// From the radiosities of the patches, one value each.
+    pub constant: f64,
+    /// From the radiosity as the picture shows it: E + rho s.
+    pub shown: f64,
+}
+
+/// Casts rays against the triangles of a mesh under one lighting.
+///
+/// Apart from the polygons and the ray-triangle test it shares nothing with the ways in which rows
+/// are computed: own points, own directions, own shadow rays, no form factor.
+#[derive(Clone, Debug)]
+pub struct Witness<'a> {
+    mesh: &'a PatchMesh,
+    bvh: Bvh,
+    triangles: Vec<[DVec3; 3]>,
+    pieces: Vec<u32>,
+    /// For each patch where its triangles start in `patch_triangles`; one more at the end.
+    starts: Vec<u32>,
+    /// Triangles of each patch with their running share of its area.
+    patch_triangles: Vec<(u32, f64)>,
+    /// Luminance of exitance and of reflected radiosity of each patch.
+    exitance: Vec<f64>,
+    reflected: Vec<f64>,
+    /// Luminance of irradiance and of reflected radiosity as shown, a face and corner each.
+    shown: Vec<[f32; 3]>,
+    shown_reflected: Vec<[f32; 3]>,
+    /// Patches that shine, with their power.
+    lamps: Vec<(u32, f64)>,
+    offset: f64,
+}
+
+/// Of what the lamps are drawn by, this share heeds their power alone: none is left out.
+const BY_POWER: f64 = 0.1;
+
+/// For one patch the probability of each lamp, to be drawn from.
+#[derive(Clone, Debug, Default)]
+pub struct LampChoice {
+    /// Probability of the lamp in [`Witness::lamps`] and the running sum.
+    list: Vec<(f64, f64)>,
+}
+
+impl<'a> Witness<'a> {
+    /// `light` holds irradiance and radiosity of each patch, `reflectance` its rho; `exitance` its E,
+    /// W/m² per band; `shown` the picture.
+    pub fn new(
+        mesh: &'a PatchMesh,
+        light: &PatchLight,
+        reflectance: &[[f32; 3]],
+        exitance: &[[f32; 3]],
+        shown: &Shown,
+    ) -> Self {
+        let (triangles, pieces) = mesh.triangles();
+        let mut of_patch: Vec<Vec<(u32, f64)>> = vec![Vec::new(); mesh.patches.len()];
+        for (index, (triangle, &piece)) in triangles.iter().zip(&pieces).enumerate() {
+            let area = 0.5 * (triangle[1] - triangle[0]).cross(triangle[2] - triangle[0]).length();
+            for patch in mesh.pieces[piece as usize].patches.into_iter().filter(|&p| p != NO_PATCH) {
+                let list = &mut of_patch[patch as usize];
+                let before = list.last().map_or(0.0, |entry| entry.1);
+                list.push((index as u32, before + area));
+            }
+        }
+        let mut starts = vec![0];
+        for list in &mut of_patch {
+            let total = list.last().map_or(1.0, |entry| entry.1).max(f64::MIN_POSITIVE);
+            list.iter_mut().for_each(|entry| entry.1 /= total);
+            starts.push(starts[starts.len() - 1] + list.len() as u32);
+        }
+        let wide = |v: [f32; 3]| v.map(f64::from);
+        let at = |list: &[[f32; 3]], i: usize| list.get(i).copied().map_or([0.0; 3], wide);
+        let emitted = |i: usize| luminance_weighted(at(exitance, i));
+        let mut shown_lum = Vec::with_capacity(shown.faces.len());
+        let mut shown_reflected = Vec::with_capacity(shown.faces.len());
+        for (index, face) in shown.faces.iter().enumerate() {
+            let patch = mesh.pieces[pieces[index / 2] as usize].patches[index % 2];
+            let rho = if patch == NO_PATCH { [0.0; 3] } else { at(reflectance, patch as usize) };
+            shown_lum.push(face.map(|h| luminance_weighted(wide(h)) as f32));
+            shown_reflected.push(face.map(|h| {
+                let h = wide(h);
+                luminance_weighted(std::array::from_fn(|b| rho[b] * h[b])) as f32
+            }));
+        }
+        let n = mesh.patches.len();
+        Self {
+            mesh,
+            bvh: Bvh::build(&triangles),
+            triangles,
+            pieces,
+            starts,
+            patch_triangles: of_patch.concat(),
+            exitance: (0..n).map(emitted).collect(),
+            reflected: (0..n).map(|i| luminance_weighted(at(&light.radiosity, i)) - emitted(i)).collect(),
+            shown: shown_lum,
+            shown_reflected,
+            lamps: (0..n)
+                .filter(|&i| emitted(i) > 0.0)
+                .map(|i| (i as u32, emitted(i) * mesh.patches[i].area))
+                .collect(),
+            offset: 1e-7 * mesh.size,
+        }
+    }
+
+    /// Draws a point of a patch for two numbers in 0..1: place, and what the picture shows there
+    /// (luminance of irradiance, W/m²).
+    pub fn point_on(&self, patch: u32, r: f64, s: f64) -> (DVec3, f64) {
+        let Some((triangle, [a, b, c])) = self.place_on(patch, r, s) else {
+            return (self.mesh.patches[patch as usize].centre, 0.0);
+        };
+        let [p, q, t] = self.triangles[triangle as usize];
+        let side = self.mesh.patches[patch as usize].side as usize;
+        let shown = self.shown.get(2 * triangle as usize + side).copied().unwrap_or_default().map(f64::from);
+        (p * a + q * b + t * c, shown[0] * a + shown[1] * b + shown[2] * c)
+    }
+
+    /// Least and greatest irradiance that the picture shows on a patch, W/m² of luminance.
+    pub fn shown_range(&self, patch: u32) -> [f64; 2] {
+        let side = self.mesh.patches[patch as usize].side as usize;
+        let corners = self.triangles_of(patch).iter().flat_map(|&(t, _)| self.shown[2 * t as usize + side]);
+        corners.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], x| {
+            [low.min(f64::from(x)), high.max(f64::from(x))]
+        })
+    }
+
+    fn triangles_of(&self, patch: u32) -> &[(u32, f64)] {
+        let p = patch as usize;
+        &self.patch_triangles[self.starts[p] as usize..self.starts[p + 1] as usize]
+    }
+
+    /// A triangle of a patch and weights of its corners, uniform over the area.
+    fn place_on(&self, patch: u32, r: f64, s: f64) -> Option<(u32, [f64; 3])> {
+        let list = self.triangles_of(patch);
+        let at = list.partition_point(|entry| entry.1 <= r).min(list.len().checked_sub(1)?);
+        let before = if at > 0 { list[at - 1].1 } else { 0.0 };
+        let r = ((r - before) / (list[at].1 - before).max(f64::MIN_POSITIVE)).clamp(0.0, 1.0);
+        let root = r.sqrt();
+        Some((list[at].0, [1.0 - root, root * (1.0 - s), root * s]))
+    }
+
+    /// How likely each lamp is to be looked at from a patch: by what it would give unhindered.
+    pub fn lamp_choice(&self, patch: u32) -> LampChoice {
+        let receiver = &self.mesh.patches[patch as usize];
+        let share = |&(lamp, power): &(u32, f64)| {
+            let lamp = &self.mesh.patches[lamp as usize];
+            let way = lamp.centre - receiver.centre;
+            let reach = receiver.radius + lamp.radius;
+            let distance2 = way.length_squared().max(reach * reach).max(f64::MIN_POSITIVE);
+            let slack = reach / distance2.sqrt();
+            let way = way / distance2.sqrt();
+            power * (receiver.normal.dot(way) + slack).max(0.0) * (slack - lamp.normal.dot(way)).max(0.0)
+                / distance2
+        };
+        let shares: Vec<f64> = self.lamps.iter().map(share).collect();
+        let all = shares.iter().sum::<f64>();
+        let power = self.lamps.iter().map(|l| l.1).sum::<f64>().max(f64::MIN_POSITIVE);
+        let by_power = if all > 0.0 { BY_POWER } else { 1.0 };
+        let mut sum = 0.0;
+        let list = shares
+            .iter()
+            .zip(&self.lamps)
+            .map(|(share, lamp)| {
+                let p = by_power * lamp.1 / power + (1.0 - by_power) * share / all.max(f64::MIN_POSITIVE);
+                sum += p;
+                (p, sum)
+            })
+            .collect();
+        LampChoice { list }
+    }
+
+    /// Luminance of the irradiance on `patch`, gathered by `rays` rays along the cosine and a quarter
+    /// as many towards the lamps; `seed` names the randomisation.
+    pub fn gather(
+        &self,
+        patch: u32,
+        receiver: Receiver,
+        choice: &LampChoice,
+        rays: u32,
+        seed: u64,
+    ) -> Gathered {
+        let normal = self.mesh.patches[patch as usize].normal;
+        let frame = Frame::around(normal);
+        let side = |index: [f64; 4]| match receiver {
+            Receiver::Point(point) => point,
+            Receiver::Whole => self.point_on(patch, index[2], index[3]).0,
+        };
+        let to_lamps = if self.lamps.is_empty() { 0 } else { (rays / 4).max(16) };
+        let density = |lamp: u32, g: f64| {
+            // Both ways of sampling share what a lamp gives, in proportion to their densities.
+            let area = self.mesh.patches[lamp as usize].area;
+            let at = self.lamps.binary_search_by_key(&lamp, |l| l.0).map_or(0.0, |k| choice.list[k].0);
+            f64::from(rays) * g + f64::from(to_lamps) * at / area
+        };
+        let mut found = Gathered::default();
+
+        // 1. Along the cosine.
+        let sequence = Sobol::new(seed);
+        let each = 1.0 / f64::from(rays.max(1));
+        for k in 0..rays {
+            let u = sequence.point(k);
+            let origin = side(u);
+            let (radius, phi) = (u[0].sqrt(), TAU * u[1]);
+            let cosine = (1.0 - u[0]).sqrt();
+            let direction = frame.world(DVec3::new(radius * phi.cos(), radius * phi.sin(), cosine));
+            let Some(hit) = self.bvh.nearest(&Ray { origin, direction }, self.offset, f64::INFINITY) else {
+                continue;
+            };
+            let piece = &self.mesh.pieces[self.pieces[hit.triangle as usize] as usize];
+            let front = self.mesh.regions[piece.region as usize].frame.normal;
+            let back = usize::from(front.dot(direction) > 0.0);
+            let other = piece.patches[back];
+            if other == NO_PATCH {
+                continue;
+            }
+            let corners = self.shown_reflected[2 * hit.triangle as usize + back].map(f64::from);
+            found.constant += each * self.reflected[other as usize];
+            found.shown +=
+                each * (corners[0] * (1.0 - hit.u - hit.v) + corners[1] * hit.u + corners[2] * hit.v);
+            let exitance = self.exitance[other as usize];
+            if exitance > 0.0 {
+                let g = cosine * front.dot(direction).abs() / (PI * hit.distance * hit.distance);
+                let direct = exitance * g / density(other, g);
+                found.constant += direct;
+                found.shown += direct;
+            }
+        }
+
+        // 2. Towards the lamps.
+        let sequence = Sobol::new(seed ^ 0x5851_F42D_4C95_7F2D);
+        for k in 0..to_lamps {
+            let u = sequence.point(k);
+            let origin = side(u);
+            let at = choice.list.partition_point(|l| l.1 <= u[0]).min(choice.list.len() - 1);
+            let (share, end) = choice.list[at];
+            let r = ((u[0] - (end - share)) / share).clamp(0.0, 1.0 - 1e-12);
+            let lamp = self.lamps[at].0;
+            let (target, _) = self.point_on(lamp, r, u[1]);
+            let way = target - origin;
+            let distance2 = way.length_squared();
+            let cosines =
+                normal.dot(way).max(0.0) * -self.mesh.patches[lamp as usize].normal.dot(way).min(0.0);
+            if cosines <= 0.0 || distance2 <= 4.0 * self.offset * self.offset {
+                continue;
+            }
+            let distance = distance2.sqrt();
+            let ray = Ray { origin, direction: way / distance };
+            if self.bvh.occluded(&ray, self.offset, distance - self.offset) {
+                continue;
+            }
+            let g = cosines / (PI * distance2 * distance2);
+            let direct = self.exitance[lamp as usize] * g / density(lamp, g);
+            found.constant += direct;
+            found.shown += direct;
+        }
+        found
+    }
+}

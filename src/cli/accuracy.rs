@@ -1,0 +1,145 @@
+use super::budget::percent;
+use super::failure::Failure;
+use super::options::EffectOptions;
+use super::progress::ProgressLine;
+use super::{budget, solve, text};
+use crate::mesh::{self, MeshSettings};
+use crate::scene::Scene;
+use crate::session::{Control, PipelineError};
+use crate::study::{self, table};
+use clap::Args;
+use std::path::{Path, PathBuf};
+use std::time::Instant;
+
+/// Measure what accuracy costs in a scene: methods, resolutions and patch sizes against each other
+///
+/// Writes accuracy.csv, accuracy.svg and accuracy.png. What stands in accuracy.csv for the same scene
+/// already is not measured again, so that an interrupted run goes on where it ended.
+#[derive(Args, Debug)]
+pub(super) struct Arguments {
+    /// An OBJ file, or builtin:NAME
+    #[arg(value_name = "SCENE")]
+    scene: String,
+    /// Folder for the table and the charts; made where it is missing
+    #[arg(long, value_name = "DIR")]
+    out: PathBuf,
+    /// Begin nothing that would not end within this time; a number of seconds, or as in 10min
+    #[arg(long, value_name = "TIME", value_parser = budget::seconds_goal, default_value = "10min")]
+    max_seconds: f64,
+    /// Threads at work [default: all cores]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
+    threads: Option<u16>,
+}
+
+pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
+    let started = Instant::now();
+    super::options::set_threads(arguments.threads)?;
+    let scene = solve::load(&arguments.scene)?;
+    let lighting = scene.lighting();
+    std::fs::create_dir_all(&arguments.out).map_err(|error| {
+        Failure::work(anyhow::Error::new(error).context(format!("cannot make {}", arguments.out.display())))
+    })?;
+    let csv = arguments.out.join("accuracy.csv");
+    let mut rows = match std::fs::read_to_string(&csv) {
+        Ok(text) => table::parse(&text),
+        Err(_) => Vec::new(),
+    };
+    table::write(&csv, &rows)?;
+
+    let hash = study::scene_hash(&scene);
+    let threads = rayon::current_num_threads();
+    let usual = usual_patches(&scene)?;
+    let all = study::entries(usual);
+    let is_known = |rows: &[table::Row], entry: &study::Entry| {
+        rows.iter().any(|r| r.hash == hash && r.threads == threads && r.entry == *entry)
+    };
+    let missing: Vec<_> = all.iter().filter(|entry| !is_known(&rows, entry)).collect();
+    let known = all.len() - missing.len();
+    let mut line = ProgressLine::new();
+    let mut left_out = 0;
+    // Seconds of work an expected millisecond: learnt from what was measured here.
+    let mut pace: f64 = 0.0;
+    for (done, &&entry) in missing.iter().enumerate() {
+        let foreseen = pace * entry.nominal();
+        if started.elapsed().as_secs_f64() + foreseen > arguments.max_seconds {
+            left_out += 1;
+            continue;
+        }
+        let clock = Instant::now();
+        let what = format!("{} {}, {} patches", entry.method.name(), entry.resolution, entry.patches);
+        let share = (known + done) as f64 / all.len() as f64;
+        let measured = study::measure(&scene, &lighting, entry, &mut |progress| {
+            line.sweep(share, &what, progress);
+            Control::Continue
+        });
+        match measured {
+            Ok(row) => rows.push(row),
+            // Too large for this machine: so are finer ones, which come later.
+            Err(PipelineError::Memory { .. }) => left_out += 1,
+            Err(error) => return Err(error.into()),
+        }
+        // Small solves are mostly audit; the pace of large ones counts.
+        pace = pace.max(0.5 * clock.elapsed().as_secs_f64() / entry.nominal().max(50.0));
+        table::write(&csv, &rows)?;
+    }
+    drop(line);
+
+    rows.retain(|r| r.hash == hash && r.threads == threads);
+    let chart = study::chart(&rows);
+    let (svg, png) = (arguments.out.join("accuracy.svg"), arguments.out.join("accuracy.png"));
+    chart.write_svg(&svg)?;
+    chart.write_png(&png)?;
+    let mut told = front(&rows);
+    if left_out > 0 {
+        told += &format!(
+            "{} of {} points left out for want of time or memory; run again to go on\n",
+            left_out,
+            all.len()
+        );
+    }
+    for path in [&csv, &svg, &png] {
+        told += &format!("wrote {}\n", Path::new(path).display());
+    }
+    text::print(&told)
+}
+
+/// How many patches the scene has when nobody asks for a number.
+fn usual_patches(scene: &Scene) -> Result<usize, Failure> {
+    let settings = MeshSettings {
+        backs: crate::effects::backs(&EffectOptions::default().choices()?),
+        ..MeshSettings::default()
+    };
+    Ok(mesh::build(scene, &settings)?.patches.len())
+}
+
+/// The points that no other beats, as a table.
+fn front(rows: &[table::Row]) -> String {
+    let places: Vec<[f64; 2]> = rows.iter().map(|r| [r.total_seconds, r.budget.total.error]).collect();
+    let names = [
+        "method",
+        "resolution",
+        "patches",
+        "seconds",
+        "form factors",
+        "patches",
+        "as shown",
+        "95 %",
+        "memory",
+    ];
+    let mut lines = vec![names.map(String::from).to_vec()];
+    for i in study::pareto(&places) {
+        let (r, b) = (&rows[i], &rows[i].budget);
+        lines.push(vec![
+            r.entry.method.name().into(),
+            r.entry.resolution.to_string(),
+            text::thousands(r.patches),
+            format!("{:.2}", r.total_seconds),
+            percent(b.form_factors.error),
+            percent(b.mesh.error),
+            percent(b.total.error),
+            format!("{} to {}", percent(b.total.low), percent(b.total.high)),
+            r.peak_memory.map_or("-".into(), |bytes| format!("{} MB", bytes / 1_000_000)),
+        ]);
+    }
+    text::table(&lines)
+}

@@ -1,0 +1,41 @@
+use crate::accuracy::{Answer, Audit, AuditSettings, Findings, Shown};
+use crate::display::{DisplayMesh, Shading};
+use crate::mesh::{PatchMesh, Side};
+use crate::scene::Lighting;
+use crate::session::Solved;
+use crate::solver::patch_emission;
+
+/// The irradiance that the smoothly shaded picture shows, from one value a patch, W/m² per band.
+pub fn shown(mesh: &PatchMesh, display: &DisplayMesh, irradiance: &[[f32; 3]]) -> Shown {
+    let values = display.corner_values(irradiance, Shading::Gouraud);
+    let triangles = mesh.triangles().0.len() as u32;
+    let faces = (0..triangles)
+        .flat_map(|triangle| [Side::Front, Side::Back].map(|side| display.face(triangle, side).0))
+        .map(|corners| corners.map(|c| values.get(c as usize).copied().unwrap_or_default()))
+        .collect();
+    Shown { faces }
+}
+
+/// Audits a finished solve under this lighting, as the smoothly shaded picture shows it.
+///
+/// `stop` ends it early; `None` then, and where no light arrives.
+pub fn audit(
+    solved: &Solved,
+    lighting: &Lighting,
+    settings: &AuditSettings,
+    stop: &(dyn Fn() -> bool + Sync),
+) -> Option<Findings> {
+    let display = DisplayMesh::build(&solved.mesh, &solved.scene, true);
+    let light = solved.light(lighting);
+    let shown = shown(&solved.mesh, &display, &light.irradiance);
+    let exitance: Vec<[f32; 3]> = solved.mesh.patches.iter().map(|p| patch_emission(p, lighting)).collect();
+    let answer = Answer {
+        mesh: &solved.mesh,
+        form_factors: &solved.form_factors,
+        light: &light,
+        exitance: &exitance,
+        reflectance: &solved.reflectance,
+        shown: &shown,
+    };
+    Audit::new(answer)?.run(settings, stop)
+}

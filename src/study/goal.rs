@@ -1,0 +1,443 @@
+//! Solving to an error or within a time that the user names.
+
+use super::audited::audit;
+use super::cost::{CostModel, Fineness, Limits, Measured};
+use crate::accuracy::{AuditSettings, ErrorBudget};
+use crate::effects::EffectChoices;
+use crate::form_factors::{AssembleReport, FormFactors, Method};
+use crate::mesh::PatchTarget;
+use crate::scene::{Lighting, Scene};
+use crate::session::{
+    Control, PipelineError, Progress, Run, SolveSettings, Solved, Stage, patch_reflectance, prepare, system,
+};
+use crate::solver::LightBases;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::mpsc::{RecvTimeoutError, channel};
+use std::time::{Duration, Instant};
+
+/// What a solve is to reach.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Goal {
+    /// An error of irradiance as shown, relative to its mean; above zero.
+    Error(f64),
+    /// Seconds of work in all; above zero.
+    Seconds(f64),
+}
+
+/// One solve on the way, with what was predicted of it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Attempt {
+    /// Patches.
+    pub patches: usize,
+    /// Half-planes a row.
+    pub lines: u32,
+    /// Seconds that it took, meshing included.
+    pub seconds: f64,
+    /// Seconds foreseen before it began; `None` for the first.
+    pub predicted_seconds: Option<f64>,
+    /// Error foreseen before it began.
+    pub predicted_error: Option<f64>,
+    /// What the audit after it found.
+    pub budget: Option<ErrorBudget>,
+}
+
+/// How a search ended.
+#[derive(Debug)]
+pub struct Reached {
+    /// The best solve.
+    pub solved: Solved,
+    /// Its settings.
+    pub settings: SolveSettings,
+    /// What the audit found; `None` where there was no light or no time.
+    pub budget: Option<ErrorBudget>,
+    /// Whether the goal was met.
+    pub met: bool,
+    /// Whether all rows and sweeps were made; else the light is that of the rows that there was time for.
+    pub complete: bool,
+    /// One sentence: how far it got and what stood in the way.
+    pub verdict: String,
+    /// All solves.
+    pub attempts: Vec<Attempt>,
+    /// What was learnt of the scene, for further predictions.
+    pub model: CostModel,
+    /// Seconds of all work, audits included.
+    pub seconds: f64,
+}
+
+/// What an observer of a search is told.
+pub enum News<'a> {
+    /// A solve goes on.
+    Solving(&'a Progress<'a>),
+    /// The light is being checked.
+    Auditing,
+}
+
+/// Patches and half-planes of the first solve, which calibrates the rest on this machine.
+const FIRST: (usize, u32) = (800, 48);
+/// Solves at most on the way to an error.
+const MOST_SOLVES: usize = 6;
+/// Aims at this part of the error asked for, since predictions err.
+const AIM: f64 = 0.85;
+/// Of the seconds left a solve may be foreseen to take this part.
+const TIME_AIM: f64 = 0.7;
+/// Patches never exceed this.
+const MOST_PATCHES: f64 = 400_000.0;
+
+/// Solves until the goal is met, choosing patches, half-planes and tolerance by audits of what it has.
+///
+/// `started` is when the user began to wait. `memory` is what form factors may take, GB. The
+/// observer may cancel.
+///
+/// # Errors
+/// As the pipeline; not where a time runs out: the picture so far is the answer then.
+pub fn reach(
+    scene: &Arc<Scene>,
+    lighting: &Lighting,
+    goal: Goal,
+    effects: &EffectChoices,
+    started: Instant,
+    memory: f64,
+    observer: &mut dyn FnMut(News<'_>) -> Control,
+) -> Result<Reached, PipelineError> {
+    let deadline = match goal {
+        Goal::Seconds(seconds) => Some(started + Duration::from_secs_f64(seconds.min(1e7))),
+        Goal::Error(_) => None,
+    };
+    let left =
+        || deadline.map_or(f64::INFINITY, |d| d.saturating_duration_since(Instant::now()).as_secs_f64());
+    let mut model = CostModel::default();
+    let mut attempts: Vec<Attempt> = Vec::new();
+    let mut best: Option<(Solved, SolveSettings, Option<ErrorBudget>)> = None;
+    let mut limits = Limits { fewest: 1.0, most: MOST_PATCHES, gigabytes: memory };
+    let mut next = Fineness { patches: FIRST.0 as f64, lines: f64::from(FIRST.1) };
+    // Of the last whole solve, and by how much smaller the next is to be than the time would allow.
+    let (mut solved_at, mut share) = (next, 1.0);
+    let mut obstacle = None;
+
+    while attempts.len() < MOST_SOLVES {
+        let settings = settings_of(next, goal, effects);
+        let clock = Instant::now();
+        let foreseen = model.seconds(next);
+        let foreseen_error = model.error(next);
+        let solve = solve_until(scene.clone(), &settings, deadline, best.is_some(), &model, observer);
+        let (solved, complete) = match solve {
+            Ok(Outcome::Whole(solved)) => (*solved, true),
+            Ok(Outcome::Part(solved)) => (*solved, false),
+            Ok(Outcome::TooLong) => {
+                share *= 0.5;
+                let smaller = model.best_within(TIME_AIM * share * left(), limits);
+                if let Some(fineness) = smaller.filter(|f| share > 0.2 && finer(*f, solved_at)) {
+                    next = fineness;
+                    continue;
+                }
+                obstacle = Some("the next step would not have ended in time".to_owned());
+                break;
+            }
+            Err(error @ PipelineError::Memory { .. }) if best.is_some() => {
+                obstacle = Some(error.to_string());
+                break;
+            }
+            Err(error) => return Err(error),
+        };
+        let lines = next.lines as u32;
+        let seconds = clock.elapsed().as_secs_f64();
+        if !complete {
+            attempts.push(Attempt {
+                patches: solved.mesh.patches.len(),
+                lines,
+                seconds,
+                predicted_seconds: foreseen,
+                predicted_error: foreseen_error,
+                budget: None,
+            });
+            if best.is_none() {
+                return Ok(unfinished(solved, settings, attempts, model, started));
+            }
+            obstacle = Some("the last solve was cut short by the time".to_owned());
+            break;
+        }
+
+        // Check it, for a time in proportion.
+        if observer(News::Auditing) == Control::Cancel {
+            return Err(PipelineError::Cancelled);
+        }
+        let audit_settings = match goal {
+            Goal::Error(error) => AuditSettings {
+                precision: 0.1,
+                resolve: 0.2 * error,
+                seconds: (2.0 * seconds).clamp(3.0, 60.0),
+                decide: Some(error),
+                ..AuditSettings::default()
+            },
+            Goal::Seconds(_) => AuditSettings {
+                precision: 0.15,
+                resolve: 2e-3,
+                seconds: (0.3 * seconds).max(0.15).min(0.4 * left()),
+                ..AuditSettings::default()
+            },
+        };
+        let budget = audit(&solved, lighting, &audit_settings, &|| false).map(|found| found.budget);
+        attempts.push(Attempt {
+            patches: solved.mesh.patches.len(),
+            lines,
+            seconds,
+            predicted_seconds: foreseen,
+            predicted_error: foreseen_error,
+            budget,
+        });
+        model.learn(Measured::of(&solved, lines, budget.as_ref()));
+        if attempts.len() == 1 && solved.mesh.patches.len() as f64 > 1.5 * next.patches {
+            limits.fewest = solved.mesh.patches.len() as f64;
+        }
+        best = Some((solved, settings, budget));
+
+        solved_at = next;
+
+        // Is it enough, and if not, what next?
+        match goal {
+            Goal::Error(error) => {
+                let Some(budget) = budget else {
+                    obstacle =
+                        Some("no light arrives anywhere, so that there is no error to speak of".to_owned());
+                    break;
+                };
+                if budget.total.error <= error {
+                    break;
+                }
+                // After a miss the aim is closer: what was foreseen proved too bright a view.
+                let shortfall = foreseen_error.map_or(1.0, |f| (f / budget.total.error).clamp(0.85, 1.0));
+                match model.cheapest(AIM * error * shortfall, limits) {
+                    Some(fineness) if finer(fineness, next) => next = fineness,
+                    _ => {
+                        obstacle = Some(too_fine(&model, limits));
+                        break;
+                    }
+                }
+            }
+            Goal::Seconds(_) => {
+                let Some(fineness) = model.best_within(TIME_AIM * share * left(), limits) else { break };
+                let gain =
+                    model.error(fineness).zip(model.error(next)).is_none_or(|(new, old)| new < 0.8 * old);
+                if !gain || !finer(fineness, next) {
+                    break;
+                }
+                next = fineness;
+            }
+        }
+    }
+    let Some((solved, settings, budget)) = best else { return Err(PipelineError::Cancelled) };
+    let seconds = started.elapsed().as_secs_f64();
+    let foreseen = model.error(solved_at);
+    let (met, verdict) = verdict(goal, budget.as_ref(), foreseen, seconds, obstacle);
+    Ok(Reached { solved, settings, budget, met, complete: true, verdict, attempts, model, seconds })
+}
+
+fn finer(new: Fineness, old: Fineness) -> bool {
+    new.patches > 1.02 * old.patches || new.lines > old.lines
+}
+
+fn too_fine(model: &CostModel, limits: Limits) -> String {
+    let gigabytes = model.measured().last().and_then(|m| model.gigabytes(m.fineness.patches)).unwrap_or(0.0);
+    format!(
+        "a finer mesh would need more than the {:.1} GB that are free for form factors ({gigabytes:.1} GB now), \
+         or more than {} patches",
+        limits.gigabytes, limits.most
+    )
+}
+
+fn settings_of(fineness: Fineness, goal: Goal, effects: &EffectChoices) -> SolveSettings {
+    let tolerance = match goal {
+        // The bound is of the largest error of any patch; a fiftieth of the mean one is never felt.
+        Goal::Error(error) => (0.02 * error).clamp(1e-7, 1e-2),
+        Goal::Seconds(_) => 1e-3,
+    };
+    SolveSettings {
+        patches: PatchTarget::Count(fineness.patches as usize),
+        method: Method::Lines,
+        resolution: Some(fineness.lines as u32),
+        tolerance,
+        effects: effects.clone(),
+    }
+}
+
+fn verdict(
+    goal: Goal,
+    budget: Option<&ErrorBudget>,
+    foreseen: Option<f64>,
+    seconds: f64,
+    obstacle: Option<String>,
+) -> (bool, String) {
+    let percent = |share: f64| format!("{:.2} %", 100.0 * share);
+    let because = obstacle.map_or(String::new(), |o| format!(": {o}"));
+    match (goal, budget) {
+        (Goal::Error(asked), Some(found)) => {
+            let error = found.total.error;
+            let range =
+                format!("{} ({} to {})", percent(error), percent(found.total.low), percent(found.total.high));
+            if error <= asked {
+                (true, format!("error {range}, as asked for"))
+            } else {
+                let over = percent(error - asked);
+                let why = if because.is_empty() {
+                    format!(": {MOST_SOLVES} solves did not suffice")
+                } else {
+                    because
+                };
+                (false, format!("error {range}, {over} more than asked for{why}"))
+            }
+        }
+        (Goal::Error(_), None) => (false, format!("the error is not known{because}")),
+        (Goal::Seconds(asked), found) => {
+            let error = match (found, foreseen) {
+                (Some(f), _) => format!(
+                    "error {} ({} to {})",
+                    percent(f.total.error),
+                    percent(f.total.low),
+                    percent(f.total.high)
+                ),
+                (None, Some(foreseen)) => {
+                    format!("error foreseen at {}, with no time left to check it", percent(foreseen))
+                }
+                (None, None) => "error not known".to_owned(),
+            };
+            let met = seconds <= asked;
+            let over =
+                if met { String::new() } else { format!(", {:.2} s more than asked for", seconds - asked) };
+            (met, format!("{seconds:.2} s of {asked} s{over}, {error}{because}"))
+        }
+    }
+}
+
+fn unfinished(
+    solved: Solved,
+    settings: SolveSettings,
+    attempts: Vec<Attempt>,
+    model: CostModel,
+    started: Instant,
+) -> Reached {
+    let seconds = started.elapsed().as_secs_f64();
+    Reached {
+        solved,
+        settings,
+        budget: None,
+        met: false,
+        complete: false,
+        verdict: format!(
+            "{seconds:.2} s: not even the coarsest solve ended in time; the light is that of the brightest patches"
+        ),
+        attempts,
+        model,
+        seconds,
+    }
+}
+
+enum Outcome {
+    /// All of it.
+    Whole(Box<Solved>),
+    /// The light of the rows that there was time for; no form factors.
+    Part(Box<Solved>),
+    /// Given up before its rows, since it would not end in time.
+    TooLong,
+}
+
+/// Solves, and gives up in time for `deadline`. With `has_another` picture to fall back on it does not
+/// even begin its rows where a trial of some says that they would take too long.
+fn solve_until(
+    scene: Arc<Scene>,
+    settings: &SolveSettings,
+    deadline: Option<Instant>,
+    has_another: bool,
+    model: &CostModel,
+    observer: &mut dyn FnMut(News<'_>) -> Control,
+) -> Result<Outcome, PipelineError> {
+    let prepared = prepare(scene, settings)?;
+    let left = |d: Instant| d.saturating_duration_since(Instant::now()).as_secs_f64();
+    if let Some(deadline) = deadline
+        && has_another
+        && model.probe(&prepared).is_some_and(|seconds| seconds > 0.95 * left(deadline))
+    {
+        return Ok(Outcome::TooLong);
+    }
+    let reflectance = patch_reflectance(&prepared.mesh, &|_| None);
+    let system = system(&prepared, &reflectance);
+    let cancel = AtomicBool::new(false);
+    // Whatever the time: the first picture is waited for.
+    let has_picture = AtomicBool::new(has_another);
+    let mut so_far: Option<LightBases> = None;
+    let mut cancelled_by_observer = false;
+    let mut keep = |progress: Progress<'_>| {
+        let early = matches!(progress.stage, Stage::FirstLight | Stage::Rows);
+        if deadline.is_some()
+            && early
+            && !has_another
+            && let Some(picture) = progress.picture()
+        {
+            so_far = Some(picture);
+            has_picture.store(true, Ordering::Relaxed);
+        }
+        let answer = observer(News::Solving(&progress));
+        cancelled_by_observer |= answer == Control::Cancel;
+        answer
+    };
+    let finished = std::thread::scope(|scope| {
+        // The thread ends when its sender is dropped, or at the deadline.
+        let (alive, ended) = channel::<()>();
+        if let Some(deadline) = deadline {
+            let (cancel, has_picture) = (&cancel, &has_picture);
+            scope.spawn(move || {
+                let wait = deadline.saturating_duration_since(Instant::now());
+                let mut waited = ended.recv_timeout(wait);
+                while waited == Err(RecvTimeoutError::Timeout) && !has_picture.load(Ordering::Relaxed) {
+                    waited = ended.recv_timeout(Duration::from_millis(2));
+                }
+                if waited == Err(RecvTimeoutError::Timeout) {
+                    cancel.store(true, Ordering::Relaxed);
+                }
+            });
+        }
+        let mut run = Run::new(&mut keep, &cancel, prepared.timings);
+        let outcome = (|| {
+            let (rows, start) = run.rows(&prepared, &system)?;
+            let (form_factors, assembled) = run.assemble(&prepared, rows)?;
+            let (bases, sweeps) =
+                run.sweeps(&prepared, &form_factors, &system, Some(&start), settings.tolerance)?;
+            Ok((form_factors, assembled, bases, sweeps))
+        })();
+        let timings = run.timings;
+        drop(alive);
+        outcome.map(|parts| (parts, timings))
+    });
+    let timings = prepared.timings;
+    let solved = |form_factors: FormFactors, assembled: AssembleReport, bases: LightBases| Solved {
+        scene: prepared.scene.clone(),
+        mesh: prepared.mesh.clone(),
+        plan: prepared.plan.clone(),
+        computer: prepared.computer.clone(),
+        form_factors: Arc::new(form_factors),
+        assembled,
+        bases: Arc::new(bases),
+        reflectance: Arc::new(reflectance.iter().map(|r| r.map(|b| b as f32)).collect()),
+        sweeps: Vec::new(),
+        timings,
+    };
+    match finished {
+        Ok(((form_factors, assembled, bases, sweeps), timings)) => {
+            let solved = Solved { sweeps, timings, ..solved(form_factors, assembled, bases) };
+            Ok(Outcome::Whole(Box::new(solved)))
+        }
+        Err(PipelineError::Cancelled) if cancel.load(Ordering::Relaxed) && !cancelled_by_observer => {
+            if has_another {
+                return Ok(Outcome::TooLong);
+            }
+            let bases = so_far.unwrap_or(LightBases {
+                patches: system.patches(),
+                lamps: system.lamps,
+                bands: system.bands,
+                values: vec![0.0; system.patches() * system.columns()],
+            });
+            Ok(Outcome::Part(Box::new(solved(FormFactors::default(), AssembleReport::default(), bases))))
+        }
+        Err(error) => Err(error),
+    }
+}

@@ -1,0 +1,51 @@
+//! What accuracy costs in this scene on this machine: whole solves, audited, compared and chosen.
+//!
+//! [`audit()`] checks one solve; [`reach`] solves to an error or within a time; [`measure`] fills a
+//! table of methods, resolutions and patch sizes; [`chart()`] draws it.
+
+mod audited;
+mod chart;
+mod cost;
+mod goal;
+mod sweep;
+pub mod table;
+
+pub use audited::{audit, shown};
+pub use chart::chart;
+pub use cost::{CostModel, Fineness, Limits, Measured};
+pub use goal::{Attempt, Goal, News, Reached, reach};
+pub use sweep::{Entry, entries, measure, pareto};
+
+use crate::scene::Scene;
+
+/// A number that differs between scenes that differ in shape, materials or lamps (FNV-1a, 64 bits).
+pub fn scene_hash(scene: &Scene) -> u64 {
+    let mut hash = 0xcbf2_9ce4_8422_2325_u64;
+    let mut take = |bits: u64| {
+        for byte in bits.to_le_bytes() {
+            hash = (hash ^ u64::from(byte)).wrapping_mul(0x0000_0100_0000_01b3);
+        }
+    };
+    for x in scene.positions.iter().flat_map(|p| p.to_array()) {
+        take(x.to_bits());
+    }
+    for surface in &scene.surfaces {
+        take(u64::from(surface.material));
+        take(u64::from(surface.object));
+        surface.corners.iter().for_each(|c| take(u64::from(c.position)));
+        surface.emission_weight.iter().for_each(|e| take(e.to_bits()));
+    }
+    for material in &scene.materials {
+        material.reflectance.iter().for_each(|r| take(r.to_bits()));
+        take(material.texture.map_or(0, |t| 1 + u64::from(t)));
+        take(material.sides as u64);
+    }
+    for pixel in scene.textures.iter().flat_map(|t| &t.pixels).flatten() {
+        take(u64::from(pixel.to_bits()));
+    }
+    for lamp in &scene.luminaires {
+        lamp.initial.output().iter().for_each(|e| take(e.to_bits()));
+    }
+    take(scene.patch_size.map_or(0, f64::to_bits));
+    hash
+}

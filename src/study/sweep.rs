@@ -1,0 +1,151 @@
+//! Methods, resolutions and patch sizes against each other.
+
+use super::audited::audit;
+use super::table::Row;
+use crate::accuracy::AuditSettings;
+use crate::form_factors::Method;
+use crate::mesh::PatchTarget;
+use crate::scene::{Lighting, Scene};
+use crate::session::{Control, PipelineError, Progress, SolveSettings, solve};
+use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
+use std::time::Instant;
+
+/// One point of the sweep.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Entry {
+    /// How form factors are computed.
+    pub method: Method,
+    /// Half-planes, cells along an edge or rays.
+    pub resolution: u32,
+    /// Patches asked for.
+    pub patches: usize,
+}
+
+impl Entry {
+    /// Expected milliseconds of its rows on one thread: by benches of the default scene, good for
+    /// bringing entries into order and for little else before it is scaled.
+    pub fn nominal(&self) -> f64 {
+        let n = f64::from(self.resolution);
+        let row = match self.method {
+            Method::Lines => 0.011 + 0.000_47 * n,
+            Method::Hemicube => 0.6 + 2.0e-5 * n * n,
+            Method::Rays => 0.000_5 * n,
+        };
+        self.patches as f64 * row + 2e-5 * (self.patches as f64).powi(2)
+    }
+}
+
+const LINES: [u32; 7] = [16, 32, 64, 128, 256, 512, 1024];
+const HEMICUBE: [u32; 6] = [32, 64, 128, 256, 512, 1024];
+const RAYS: [u32; 5] = [256, 1024, 4096, 16_384, 65_536];
+
+/// All points, cheapest first, for a scene that has `usual` patches by itself: at that many all
+/// resolutions, at fewer and at more those that suit.
+pub fn entries(usual: usize) -> Vec<Entry> {
+    let methods: [(Method, &[u32]); 3] =
+        [(Method::Lines, &LINES), (Method::Hemicube, &HEMICUBE), (Method::Rays, &RAYS)];
+    let mut all = Vec::new();
+    for (patches, skip_fine) in [(usual / 4, 2), (usual, 0), (3 * usual, 1), (8 * usual, 3)] {
+        for (method, resolutions) in methods {
+            for &resolution in &resolutions[..resolutions.len() - skip_fine] {
+                all.push(Entry { method, resolution, patches: patches.max(1) });
+            }
+        }
+    }
+    all.sort_by(|a, b| a.nominal().total_cmp(&b.nominal()));
+    all
+}
+
+/// Solves and audits one point.
+///
+/// # Errors
+/// As the pipeline.
+pub fn measure(
+    scene: &Arc<Scene>,
+    lighting: &Lighting,
+    entry: Entry,
+    observer: &mut dyn FnMut(Option<&Progress<'_>>) -> Control,
+) -> Result<Row, PipelineError> {
+    let settings = SolveSettings {
+        patches: PatchTarget::Count(entry.patches),
+        method: entry.method,
+        resolution: Some(entry.resolution),
+        ..SolveSettings::default()
+    };
+    forget_peak_memory();
+    let clock = Instant::now();
+    let solved =
+        solve(scene.clone(), &settings, &AtomicBool::new(false), &mut |progress| observer(Some(&progress)))?;
+    let seconds = clock.elapsed().as_secs_f64();
+    let peak_memory = crate::export::peak_memory_bytes();
+    if observer(None) == Control::Cancel {
+        return Err(PipelineError::Cancelled);
+    }
+    let thorough = AuditSettings {
+        precision: 0.08,
+        parts: true,
+        resolve: 4e-4,
+        seconds: (2.0 * seconds).clamp(4.0, 40.0),
+        ..AuditSettings::default()
+    };
+    let budget = audit(&solved, lighting, &thorough, &|| false).map(|found| found.budget);
+    let t = &solved.timings;
+    Ok(Row {
+        scene: scene.name.clone(),
+        hash: super::scene_hash(scene),
+        threads: rayon::current_num_threads(),
+        entry,
+        patches: solved.mesh.patches.len(),
+        seconds: [t.mesh + t.plan, t.rows, t.balance, t.sweeps],
+        total_seconds: seconds,
+        peak_memory,
+        budget: budget.unwrap_or_default(),
+    })
+}
+
+/// Lets the high-water mark of this process begin anew, where the system can (Linux).
+fn forget_peak_memory() {
+    // Where it cannot, the peak is that of all solves so far.
+    std::fs::write("/proc/self/clear_refs", "5").ok();
+}
+
+/// Indices of the points `[cost, error]` that no other beats in both, by rising cost; points that are
+/// not above zero take no part.
+pub fn pareto(points: &[[f64; 2]]) -> Vec<usize> {
+    let valid = |p: &[f64; 2]| p.iter().all(|v| v.is_finite() && *v > 0.0);
+    let mut order: Vec<usize> = (0..points.len()).filter(|&i| valid(&points[i])).collect();
+    order.sort_by(|&a, &b| points[a][0].total_cmp(&points[b][0]).then(points[a][1].total_cmp(&points[b][1])));
+    let mut best = f64::INFINITY;
+    order.retain(|&i| {
+        let better = points[i][1] < best;
+        best = best.min(points[i][1]);
+        better
+    });
+    order
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_front_holds_what_nothing_beats() {
+        let points =
+            [[1.0, 5.0], [2.0, 6.0], [2.0, 3.0], [3.0, 3.0], [4.0, 1.0], [0.5, 0.0], [9.0, f64::NAN]];
+        assert_eq!(pareto(&points), [0, 2, 4]);
+        assert!(pareto(&[]).is_empty());
+    }
+
+    #[test]
+    fn entries_come_cheapest_first_and_once() {
+        let all = entries(2000);
+        assert!(all.is_sorted_by(|a, b| a.nominal() <= b.nominal()));
+        for (i, entry) in all.iter().enumerate() {
+            assert!(!all[..i].contains(entry), "{entry:?} twice");
+        }
+        for method in [Method::Lines, Method::Hemicube, Method::Rays] {
+            assert!(all.iter().filter(|e| e.method == method && e.patches == 2000).count() >= 5);
+        }
+    }
+}

@@ -1,0 +1,413 @@
+//! Finds out in the background how wrong the picture is, and keeps what solves cost.
+
+use super::panels::Model;
+use crate::accuracy::{AuditSettings, ErrorBudget};
+use crate::form_factors::Method;
+use crate::mesh::PatchTarget;
+use crate::scene::{Lighting, Scene};
+use crate::session::{Snapshot, SolveSettings, Solved, Stage};
+use crate::solver::LightBases;
+use crate::study::{self, CostModel, Fineness, Goal, Limits, Measured};
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::mpsc::{Receiver, TryRecvError, channel};
+use std::sync::{Arc, Weak};
+
+/// A light that stands for this long is worth checking, seconds.
+const SETTLED_SECS: f64 = 0.6;
+/// Audits run on one thread, for no longer than this.
+const AUDIT_SECS: f64 = 8.0;
+/// Solves that are made to come nearer to a goal before it is given up.
+const MOST_STEPS: u32 = 5;
+/// Points of the predicted curve.
+const CURVE: usize = 24;
+
+/// A finished solve of the present scene.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Finished {
+    /// What it was solved with.
+    pub(super) settings: SolveSettings,
+    pub(super) patches: usize,
+    /// From meshing to the last sweep.
+    pub(super) seconds: f64,
+    /// Its errors; `None` until they are known.
+    pub(super) budget: Option<ErrorBudget>,
+}
+
+/// What the panel asks for.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Ask {
+    /// Check pictures, or leave it.
+    Switch(bool),
+    /// What the next solve is to reach.
+    SetGoal(Goal),
+    /// Solve until it is reached.
+    Reach,
+}
+
+/// A running audit; it ends when this is dropped.
+struct Job {
+    cancel: Arc<AtomicBool>,
+    answer: Receiver<Option<ErrorBudget>>,
+}
+
+impl Drop for Job {
+    fn drop(&mut self) {
+        self.cancel.store(true, Ordering::Relaxed);
+    }
+}
+
+/// The audits of the window: at most one at a time, none while a solve runs.
+pub(super) struct Auditor {
+    /// Whether pictures are checked at all.
+    pub(super) on: bool,
+    /// What the user wishes for.
+    pub(super) goal: Goal,
+    /// Of the picture on screen; `None` while it is not known.
+    pub(super) budget: Option<ErrorBudget>,
+    /// The last audit found no light to check.
+    pub(super) is_dark: bool,
+    /// All solves of the scene, oldest first; the last one is on screen.
+    pub(super) finished: Vec<Finished>,
+    /// Foreseen errors of solves of rising cost: seconds and share.
+    pub(super) curve: Vec<[f64; 2]>,
+    /// Why the goal was given up, or that it was reached.
+    pub(super) verdict: String,
+    model: CostModel,
+    limits: Limits,
+    scene: Weak<Scene>,
+    /// What was audited last, or is being audited.
+    seen: Option<(Arc<LightBases>, Lighting)>,
+    /// The light as it stands, and since when.
+    standing: Option<(Arc<LightBases>, Lighting, f64)>,
+    job: Option<Job>,
+    /// Steps taken towards the goal since the user asked for it.
+    steps: Option<u32>,
+}
+
+impl Default for Auditor {
+    fn default() -> Self {
+        Self {
+            on: true,
+            goal: Goal::Error(0.01),
+            budget: None,
+            is_dark: false,
+            finished: Vec::new(),
+            curve: Vec::new(),
+            verdict: String::new(),
+            model: CostModel::default(),
+            limits: Limits { fewest: 1.0, most: 400_000.0, gigabytes: 4.0 },
+            scene: Weak::new(),
+            seen: None,
+            standing: None,
+            job: None,
+            steps: None,
+        }
+    }
+}
+
+impl Auditor {
+    /// Whether a picture is being checked.
+    pub(super) fn is_busy(&self) -> bool {
+        self.job.is_some()
+    }
+
+    /// Whether it is on its way to the goal.
+    pub(super) fn is_reaching(&self) -> bool {
+        self.steps.is_some()
+    }
+
+    /// Switches audits on or off.
+    pub(super) fn switch(&mut self, on: bool) {
+        self.on = on;
+        self.seen = None;
+        if !on {
+            self.job = None;
+            self.steps = None;
+        }
+    }
+
+    /// Follows the solver, starts an audit once the light stands still, and takes up what one has
+    /// found. Answers with settings to solve with, where the goal asks for them. `wake` asks for
+    /// another frame, from any thread; a number of seconds is how long until one is needed.
+    pub(super) fn follow(
+        &mut self,
+        snapshot: &Snapshot,
+        lighting: &Lighting,
+        time: f64,
+        wake: impl FnOnce() + Send + 'static,
+    ) -> (Option<SolveSettings>, Option<f64>) {
+        self.forget_other_scenes(snapshot);
+        let mut next = self.take_answer(snapshot);
+        let standing = (snapshot.stage == Stage::Converged).then_some(()).and(snapshot.bases.clone());
+        let lamps = snapshot.scene.as_ref().map_or(0, |s| s.luminaires.len());
+        let is_whole = snapshot.form_factors.is_some() && lighting.lamps.len() == lamps;
+        let Some(bases) = standing.filter(|_| is_whole) else {
+            self.job = None;
+            self.standing = None;
+            self.seen = None;
+            if matches!(snapshot.stage, Stage::Stopped | Stage::Failed) {
+                self.steps = None;
+            }
+            return (None, None);
+        };
+        let same = |of: &(Arc<LightBases>, Lighting)| Arc::ptr_eq(&of.0, &bases) && of.1 == *lighting;
+        if self.seen.as_ref().is_some_and(same) {
+            return (next.take(), None);
+        }
+        let unchanged =
+            |(b, l, _): &(Arc<LightBases>, Lighting, f64)| Arc::ptr_eq(b, &bases) && l == lighting;
+        if !self.standing.as_ref().is_some_and(unchanged) {
+            // A lamp or the solver moved: what was found is of another light.
+            self.job = None;
+            self.note_solve(snapshot, &bases);
+            self.budget = None;
+            self.is_dark = false;
+            self.standing = Some((bases.clone(), lighting.clone(), time));
+        }
+        let since = self.standing.as_ref().map_or(time, |s| s.2);
+        if !self.on {
+            return (None, None);
+        }
+        let left = SETTLED_SECS - (time - since);
+        if left > 0.0 {
+            return (None, Some(left));
+        }
+        self.seen = Some((bases, lighting.clone()));
+        if let Some(solved) = snapshot.solved() {
+            self.start(solved, lighting.clone(), wake);
+        }
+        (None, None)
+    }
+
+    fn forget_other_scenes(&mut self, snapshot: &Snapshot) {
+        let same = match (&snapshot.scene, self.scene.upgrade()) {
+            (Some(a), Some(b)) => Arc::ptr_eq(a, &b),
+            (None, None) => true,
+            _ => false,
+        };
+        if !same {
+            let (on, goal) = (self.on, self.goal);
+            *self = Self { on, goal, ..Self::default() };
+            self.scene = snapshot.scene.as_ref().map_or_else(Weak::new, Arc::downgrade);
+        }
+    }
+
+    /// Puts a solve that is new down in the list.
+    fn note_solve(&mut self, snapshot: &Snapshot, bases: &Arc<LightBases>) {
+        let is_new = self.standing.as_ref().is_none_or(|s| !Arc::ptr_eq(&s.0, bases));
+        let Some(mesh) = snapshot.mesh.as_ref().filter(|_| is_new) else { return };
+        let t = &snapshot.timings;
+        let finished = Finished {
+            settings: snapshot.settings.clone(),
+            patches: mesh.patches.len(),
+            seconds: t.mesh + t.plan + t.rows + t.balance + t.sweeps,
+            budget: None,
+        };
+        self.finished.retain(|f| f.settings != finished.settings);
+        self.finished.push(finished);
+    }
+
+    fn start(&mut self, solved: Solved, lighting: Lighting, wake: impl FnOnce() + Send + 'static) {
+        let cancel = Arc::new(AtomicBool::new(false));
+        let (sender, answer) = channel();
+        let stop = cancel.clone();
+        let resolve = if let Goal::Error(error) = self.goal { 0.2 * error } else { 1e-3 };
+        let audit = move || {
+            let settings =
+                AuditSettings { seconds: AUDIT_SECS, resolve, parallel: false, ..AuditSettings::default() };
+            let found = study::audit(&solved, &lighting, &settings, &|| stop.load(Ordering::Relaxed));
+            // Nobody listens any more when the light has changed.
+            sender.send(found.map(|f| f.budget)).ok();
+            wake();
+        };
+        if std::thread::Builder::new().name("audit".to_owned()).spawn(audit).is_ok() {
+            self.job = Some(Job { cancel, answer });
+        }
+    }
+
+    fn take_answer(&mut self, snapshot: &Snapshot) -> Option<SolveSettings> {
+        let answer = match self.job.as_ref()?.answer.try_recv() {
+            Ok(answer) => answer,
+            Err(TryRecvError::Empty) => return None,
+            Err(TryRecvError::Disconnected) => None,
+        };
+        self.job = None;
+        self.budget = answer;
+        self.is_dark = answer.is_none();
+        let budget = answer?;
+        if let Some(last) = self.finished.last_mut() {
+            last.budget = Some(budget);
+        }
+        let solved = snapshot.solved()?;
+        let settings = &snapshot.settings;
+        if settings.method == Method::Lines {
+            let lines = settings.resolution.unwrap_or_else(|| settings.method.default_resolution());
+            self.model.learn(Measured::of(&solved, lines, Some(&budget)));
+            self.draw_curve();
+        }
+        self.step(&budget, settings)
+    }
+
+    /// The next solve towards the goal, if one is asked for and the last was not enough.
+    fn step(&mut self, budget: &ErrorBudget, now: &SolveSettings) -> Option<SolveSettings> {
+        let steps = self.steps?;
+        let reached = match self.goal {
+            Goal::Error(error) => budget.total.error <= error,
+            Goal::Seconds(_) => steps > 0,
+        };
+        if reached {
+            self.steps = None;
+            self.verdict = format!("Reached: {:.2} %", 100.0 * budget.total.error);
+            return None;
+        }
+        let wanted = match self.goal {
+            Goal::Error(error) => self.model.cheapest(0.85 * error, self.limits),
+            Goal::Seconds(seconds) => self.model.best_within(0.8 * seconds, self.limits),
+        };
+        let Some(fineness) = wanted.filter(|_| steps < MOST_STEPS) else {
+            self.steps = None;
+            self.verdict = match self.goal {
+                Goal::Error(_) => "Out of reach: the mesh would outgrow the memory".to_owned(),
+                Goal::Seconds(_) => "No solve of this scene is so short".to_owned(),
+            };
+            return None;
+        };
+        let settings = settings_of(fineness, now);
+        if settings == *now {
+            self.steps = None;
+            "This is the best choice already".clone_into(&mut self.verdict);
+            return None;
+        }
+        self.steps = Some(steps + 1);
+        Some(settings)
+    }
+
+    /// Begins to solve towards the goal: settings for the first step, where the light is known.
+    pub(super) fn reach(&mut self, now: &SolveSettings) -> Option<SolveSettings> {
+        self.verdict.clear();
+        self.on = true;
+        self.steps = Some(0);
+        match self.budget {
+            Some(budget) => self.step(&budget, now),
+            None => None,
+        }
+    }
+
+    fn draw_curve(&mut self) {
+        let Some(last) = self.model.measured().last() else { return };
+        let now = last.timings.mesh + last.timings.rows + last.timings.balance + last.timings.sweeps;
+        let seconds = (0..CURVE).map(|k| now * 10.0_f64.powf(2.0 * k as f64 / (CURVE - 1) as f64));
+        let limits = self.limits;
+        self.curve = seconds
+            .filter_map(|s| Some([s, self.model.error(self.model.best_within(s, limits)?)?]))
+            .collect();
+    }
+
+    /// "1 % in about 4 s, 0.3 % in about 21 s": the next round errors below the present one.
+    pub(super) fn foresight(&self) -> Option<String> {
+        const ROUND: [f64; 12] = [50.0, 30.0, 20.0, 10.0, 5.0, 3.0, 2.0, 1.0, 0.5, 0.3, 0.2, 0.1];
+        let now = self.budget?.total.error;
+        let told: Vec<String> = ROUND
+            .into_iter()
+            .filter(|percent| percent / 100.0 < 0.9 * now)
+            .filter_map(|percent| {
+                let seconds = self.model.seconds(self.model.cheapest(percent / 100.0, self.limits)?)?;
+                Some(format!("{percent} % in about {}", super::units::duration(seconds)))
+            })
+            .take(2)
+            .collect();
+        (!told.is_empty()).then(|| told.join(", "))
+    }
+
+    /// On what the next seconds are best spent.
+    pub(super) fn advice(&self) -> Option<&'static str> {
+        let budget = self.budget?;
+        let (form_factors, mesh) = (budget.form_factors.error, budget.mesh.error);
+        let solver = budget.solver.estimate.error;
+        Some(if solver >= form_factors.max(mesh) {
+            "further sweeps"
+        } else if mesh >= form_factors {
+            "smaller patches"
+        } else {
+            "more lines a row"
+        })
+    }
+}
+
+fn settings_of(fineness: Fineness, now: &SolveSettings) -> SolveSettings {
+    SolveSettings {
+        patches: PatchTarget::Count(fineness.patches as usize),
+        method: Method::Lines,
+        resolution: Some(fineness.lines as u32),
+        ..now.clone()
+    }
+}
+
+/// What a click on the chart restores: the solve nearest to a place, both as decimal logarithms.
+pub(super) fn nearest<'a>(model: &'a Model<'_>, at: [f64; 2]) -> Option<&'a Finished> {
+    let distance = |f: &&Finished| {
+        let error = f.budget.map_or(f64::NAN, |b| b.total.error);
+        (f.seconds.log10() - at[0]).hypot((100.0 * error).log10() - at[1])
+    };
+    let known = model.auditor.finished.iter().filter(|f| distance(f).is_finite());
+    known.min_by(|a, b| distance(a).total_cmp(&distance(b))).filter(|f| distance(f) < 0.15)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::accuracy::Estimate;
+    use crate::session::Timings;
+
+    fn budget(form_factors: f64, mesh: f64) -> ErrorBudget {
+        let estimate = |error: f64| Estimate { error, low: 0.9 * error, high: 1.1 * error };
+        ErrorBudget {
+            form_factors: estimate(form_factors),
+            mesh: estimate(mesh),
+            total: estimate(form_factors.hypot(mesh)),
+            ..ErrorBudget::default()
+        }
+    }
+
+    fn auditor(form_factors: f64, mesh: f64) -> Auditor {
+        let mut auditor = Auditor { budget: Some(budget(form_factors, mesh)), ..Auditor::default() };
+        auditor.model.learn(Measured {
+            fineness: Fineness { patches: 1000.0, lines: 96.0 },
+            timings: Timings { rows: 0.3, sweeps: 0.1, ..Timings::default() },
+            entries: 3e5,
+            form_factors,
+            mesh,
+            total: form_factors.hypot(mesh),
+        });
+        auditor
+    }
+
+    #[test]
+    fn the_sentence_names_round_errors_below_the_present_one_at_rising_cost() {
+        let auditor = auditor(0.01, 0.04);
+        let told = auditor.foresight().unwrap();
+        assert!(told.starts_with("3 % in about ") && told.contains(", 2 % in about "), "{told}");
+        assert_eq!(auditor.advice(), Some("smaller patches"));
+        assert_eq!(Auditor::default().foresight(), None);
+    }
+
+    #[test]
+    fn a_goal_is_walked_to_and_ends_when_it_is_reached() {
+        let mut auditor = auditor(0.01, 0.04);
+        let now = SolveSettings::default();
+        let first = auditor.reach(&now).unwrap();
+        assert!(auditor.is_reaching());
+        let PatchTarget::Count(patches) = first.patches else { panic!("{first:?}") };
+        assert!(patches > 1000);
+        assert_eq!(auditor.step(&budget(0.002, 0.005), &first), None);
+        assert!(!auditor.is_reaching() && auditor.verdict.starts_with("Reached"), "{}", auditor.verdict);
+    }
+
+    #[test]
+    fn the_curve_falls_with_time() {
+        let mut auditor = auditor(0.01, 0.04);
+        auditor.draw_curve();
+        assert!(auditor.curve.len() > 10);
+        assert!(auditor.curve.windows(2).all(|w| w[0][0] < w[1][0] && w[0][1] >= w[1][1]));
+    }
+}

@@ -1,0 +1,83 @@
+//! Goals of `solve` and the command `accuracy`, by the real program.
+
+mod cli_support;
+
+use cli_support::Workplace;
+use serde_json::Value;
+
+fn report(place: &Workplace, name: &str) -> Value {
+    serde_json::from_str(&place.text(name)).expect("JSON")
+}
+
+#[test]
+fn an_error_is_reached_and_the_report_holds_the_budget() {
+    let place = Workplace::with_room(0.5);
+    let told = place.succeed(&["solve", "room.obj", "--error", "12%", "--report", "r.json"]);
+    assert!(told.contains("as asked for"), "{told}");
+    let report = report(&place, "r.json");
+    let accuracy = &report["accuracy"];
+    let shown = accuracy["as_shown"]["percent"].as_f64().unwrap();
+    assert!(shown > 0.0 && shown <= 12.0, "{accuracy}");
+    assert_eq!(accuracy["goal"]["met"], Value::Bool(true));
+    for part in ["form_factors", "patches", "solver", "patch_averages"] {
+        let [low, error, high] = ["low", "percent", "high"].map(|k| accuracy[part][k].as_f64().unwrap());
+        assert!(0.0 <= low && low <= error && error <= high, "{part}: {accuracy}");
+    }
+    assert!(!accuracy["goal"]["attempts"].as_array().unwrap().is_empty());
+}
+
+#[test]
+fn a_time_gives_a_picture_even_where_it_is_short() {
+    let place = Workplace::with_room(0.5);
+    let arguments = ["solve", "room.obj", "--report", "r.json", "--image", "p.png", "--size", "64x40"];
+    for time in ["3s", "10ms"] {
+        place.succeed(&[&arguments[..], &["--budget", time]].concat());
+        let report = report(&place, "r.json");
+        assert!(report["mesh"]["patches"].as_u64().unwrap() > 0);
+        let picture = image::open(place.path("p.png")).unwrap().to_rgb8();
+        assert!(picture.pixels().any(|p| p.0 != [0; 3]), "{time}: a black picture");
+    }
+}
+
+#[test]
+fn goals_choose_by_themselves_and_are_checked() {
+    let place = Workplace::with_room(0.5);
+    let solve = |more: &[&str]| place.fail(2, &[&["solve", "room.obj"], more].concat());
+    let first = |arguments: &[&str]| {
+        let output = place.run(&[&["solve", "room.obj"], arguments].concat());
+        assert_eq!(output.status.code(), Some(2), "{arguments:?}");
+        String::from_utf8_lossy(&output.stderr).into_owned()
+    };
+    assert!(first(&["--error", "1%", "--patches", "100"]).contains("cannot be used with"));
+    assert!(first(&["--error", "1%", "--budget", "5s"]).contains("cannot be used with"));
+    assert!(first(&["--error", "200%"]).contains("between"));
+    assert!(first(&["--budget", "soon"]).contains("5s"));
+    assert!(
+        solve(&["--error", "5%", "--with", "visibility", "--without", "visibility"]).contains("visibility")
+    );
+}
+
+#[test]
+fn a_sweep_writes_table_and_charts_and_goes_on_where_it_ended() {
+    let place = Workplace::with_room(0.4);
+    let sweep =
+        |time: &str| place.succeed(&["accuracy", "room.obj", "--out", "study", "--max-seconds", time]);
+    let told = sweep("3s");
+    assert!(told.contains("method") && told.contains("accuracy.svg"), "{told}");
+    let first = place.text("study/accuracy.csv");
+    assert!(first.lines().count() >= 2, "{first}");
+    sweep("3s");
+    let second = place.text("study/accuracy.csv");
+    for line in first.lines() {
+        assert!(second.contains(line), "measured again: {line}");
+    }
+    assert!(second.len() >= first.len());
+    assert!(place.text("study/accuracy.svg").starts_with("<svg"));
+    let chart = image::open(place.path("study/accuracy.png")).unwrap();
+    assert!(chart.width() > 1000);
+    // Another scene in the same folder leaves what is there alone.
+    place.put("room.mtl", "newmtl paint\nKd .7 .7 .7\nnewmtl glow\nKd 0 0 0\nKe 1 1 1\n");
+    sweep("2s");
+    let third = place.text("study/accuracy.csv");
+    assert!(first.lines().all(|line| third.contains(line)) && third.len() > second.len(), "{third}");
+}

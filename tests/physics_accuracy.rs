@@ -1,0 +1,254 @@
+//! The error budget against errors that are known: its witness, its intervals, its parts.
+
+mod common;
+
+use common::{Model, builtin, ceiling_with_lamp, room_with_blocks, settings, solved};
+use glam::DVec3;
+use lumenwalk::accuracy::{AuditSettings, ErrorBudget, Receiver, Shown, Sobol, Witness, algebraic_error};
+use lumenwalk::display::DisplayMesh;
+use lumenwalk::effects::Effect;
+use lumenwalk::form_factors::Method;
+use lumenwalk::form_factors::closed_form::point_to_polygon;
+use lumenwalk::mesh::{PatchTarget, Side};
+use lumenwalk::scene::luminance_weighted;
+use lumenwalk::session::{SolveSettings, Solved};
+use lumenwalk::solver::patch_emission;
+use lumenwalk::study;
+
+/// The true luminance of irradiance at points with their normals.
+type Truth<'a> = dyn Fn(&[(DVec3, DVec3)]) -> Vec<f64> + 'a;
+
+/// A number in 0..1 that is the same at every run.
+fn random(key: u32) -> f64 {
+    Sobol::new(u64::from(key) + 1000).point(key)[0]
+}
+
+fn luminance(v: [f32; 3]) -> f64 {
+    luminance_weighted(v.map(f64::from))
+}
+
+/// A solve with what its witness and its picture need.
+struct Case {
+    solved: Solved,
+    exitance: Vec<[f32; 3]>,
+    shown: Shown,
+}
+
+impl Case {
+    fn new(solved: Solved) -> Self {
+        let lighting = solved.scene.lighting();
+        let exitance = solved.mesh.patches.iter().map(|p| patch_emission(p, &lighting)).collect();
+        let display = DisplayMesh::build(&solved.mesh, &solved.scene, true);
+        let shown = study::shown(&solved.mesh, &display, &solved.light(&lighting).irradiance);
+        Self { solved, exitance, shown }
+    }
+
+    fn witness(&self) -> Witness<'_> {
+        let light = self.solved.light(&self.solved.scene.lighting());
+        Witness::new(&self.solved.mesh, &light, &self.solved.reflectance, &self.exitance, &self.shown)
+    }
+
+    /// Patches on which errors count.
+    fn receivers(&self) -> Vec<u32> {
+        let patches = &self.solved.mesh.patches;
+        (0..patches.len() as u32)
+            .filter(|&i| patches[i as usize].luminaire.is_none() && !patches[i as usize].buried)
+            .collect()
+    }
+
+    /// Irradiance at a point from the lamps alone, nothing standing between: closed form.
+    fn direct(&self, point: DVec3, normal: DVec3) -> f64 {
+        let mesh = &self.solved.mesh;
+        mesh.patches
+            .iter()
+            .zip(&self.exitance)
+            .filter(|(_, e)| e[1] > 0.0)
+            .map(|(lamp, &e)| {
+                let pieces = mesh.pieces_of(lamp);
+                let f: f64 =
+                    pieces.map(|p| point_to_polygon(point, normal, &mesh.polygon(p, Side::Front))).sum();
+                luminance(e) * f
+            })
+            .sum()
+    }
+
+    /// RMS of what the picture shows less `truth` over its mean, at `count` points a patch.
+    fn true_error(&self, count: u32, mean: f64, truth: &Truth<'_>) -> f64 {
+        let (witness, mesh) = (self.witness(), &self.solved.mesh);
+        let mut places = Vec::new();
+        let mut shown = Vec::new();
+        for i in self.receivers() {
+            let patch = &mesh.patches[i as usize];
+            for k in 0..count {
+                let [r, s, ..] = Sobol::new(u64::from(i) + 7).point(k);
+                let (point, value) = witness.point_on(i, r, s);
+                places.push((point, patch.normal));
+                shown.push((value, patch.area / f64::from(count)));
+            }
+        }
+        let area: f64 = shown.iter().map(|s| s.1).sum();
+        let squares = truth(&places).into_iter().zip(&shown).map(|(t, (s, a))| a * (s - t).powi(2));
+        (squares.sum::<f64>() / area).sqrt() / mean
+    }
+}
+
+fn audited(case: &Case, settings: &AuditSettings) -> ErrorBudget {
+    study::audit(&case.solved, &case.solved.scene.lighting(), settings, &|| false).expect("light").budget
+}
+
+/// A box of random shape with black walls under a lamp of random size: all light is direct, and known.
+fn black_room(key: u32, method: Method, resolution: u32) -> Case {
+    let of = |k: u32| random(16 * key + k);
+    let size = [2.0 + 3.0 * of(0), 2.0 + 2.0 * of(1), 2.0 + 3.0 * of(2)];
+    let mut m = Model::new();
+    m.grey("black", 0.0).paint("glow", [0.0; 3], [30.0, 20.0, 10.0]);
+    let wall = Some("black");
+    m.room(DVec3::ZERO, DVec3::from(size), [wall, None, wall, wall, wall, wall]);
+    let (x, z) = (0.1 + 0.5 * of(3), 0.1 + 0.5 * of(4));
+    let (wide, deep) = (0.1 + 0.25 * of(5), 0.1 + 0.25 * of(6));
+    let lamp = [x * size[0], (x + wide) * size[0], z * size[2], (z + deep) * size[2]];
+    ceiling_with_lamp(&mut m, "black", size, lamp);
+    let mut how = settings(PatchTarget::Count(70 + (60.0 * of(7)) as usize), method, resolution);
+    how.effects.with = vec![Effect::Visibility];
+    Case::new(solved(&m.scene(), &how))
+}
+
+#[test]
+fn the_witness_agrees_with_closed_forms() {
+    let case = black_room(3, Method::Lines, 64);
+    let (witness, mesh) = (case.witness(), &case.solved.mesh);
+    for &i in case.receivers().iter().step_by(7) {
+        let choice = witness.lamp_choice(i);
+        let normal = mesh.patches[i as usize].normal;
+        let (point, _) = witness.point_on(i, random(i), random(i + 5000));
+        let exact = case.direct(point, normal);
+        let found = witness.gather(i, Receiver::Point(point), &choice, 4096, u64::from(i)).constant;
+        assert!((found - exact).abs() < 0.004 * exact.max(0.05), "{found} against {exact} at {point}");
+        // The mean over the patch, by another rule.
+        let points = (0..256).map(|k| Sobol::new(99).point(k)).map(|u| witness.point_on(i, u[0], u[1]).0);
+        let mean = points.map(|p| case.direct(p, normal)).sum::<f64>() / 256.0;
+        let found = witness.gather(i, Receiver::Whole, &choice, 4096, u64::from(i)).constant;
+        assert!((found - mean).abs() < 0.01 * mean.max(0.05), "{found} against {mean} over patch {i}");
+    }
+}
+
+#[test]
+fn intervals_hold_the_true_error_in_many_random_rooms() {
+    const ROOMS: u32 = 40;
+    let how = AuditSettings { precision: 0.08, receivers: 320, seconds: 1e9, ..AuditSettings::default() };
+    let (mut total_held, mut factors_held) = (0, 0);
+    for key in 0..ROOMS {
+        let (method, resolution) =
+            [(Method::Lines, 12), (Method::Hemicube, 24), (Method::Rays, 200)][key as usize % 3];
+        let case = black_room(key, method, resolution);
+        let budget = audited(&case, &AuditSettings { seed: u64::from(key), ..how });
+        let mean = budget.mean_irradiance;
+        let exact = |places: &[(DVec3, DVec3)]| places.iter().map(|&(p, n)| case.direct(p, n)).collect();
+        let total = case.true_error(24, mean, &exact);
+
+        // Walls are black: the row of a patch gathers its stored irradiance.
+        let (witness, mesh) = (case.witness(), &case.solved.mesh);
+        let light = case.solved.light(&case.solved.scene.lighting());
+        let (mut squares, mut area) = (0.0, 0.0);
+        for i in case.receivers() {
+            let patch = &mesh.patches[i as usize];
+            let points = (0..32).map(|k| Sobol::new(5).point(k)).map(|u| witness.point_on(i, u[0], u[1]).0);
+            let truth = points.map(|p| case.direct(p, patch.normal)).sum::<f64>() / 32.0;
+            squares += patch.area * (luminance(light.irradiance[i as usize]) - truth).powi(2);
+            area += patch.area;
+        }
+        let factors = (squares / area).sqrt() / mean;
+        // The reference is summed over points, too: a hundredth of it is its own.
+        let holds =
+            |e: lumenwalk::accuracy::Estimate, truth: f64| e.low < 1.01 * truth && e.high > 0.99 * truth;
+        println!(
+            "{key}: total {total:.4} in {:?}, factors {factors:.4} in {:?}",
+            budget.total, budget.form_factors
+        );
+        total_held += u32::from(holds(budget.total, total));
+        factors_held += u32::from(holds(budget.form_factors, factors));
+        assert!(total < 2.0 * budget.total.high && 2.0 * total > budget.total.low, "far off");
+    }
+    // 90 % at least.
+    assert!(total_held >= 36 && factors_held >= 36, "{total_held} and {factors_held} of {ROOMS}");
+}
+
+#[test]
+fn with_reflections_and_shadows_the_error_is_that_against_a_far_finer_solve() {
+    let scene = room_with_blocks(0.6).scene();
+    let fine = solved(&scene, &settings(PatchTarget::Count(3000), Method::Lines, 384));
+    let light = fine.light(&scene.lighting());
+    let truth = |places: &[(DVec3, DVec3)]| {
+        fine.irradiance_at(places, &light).into_iter().map(luminance_weighted).collect()
+    };
+    for (patches, lines) in [(300, 24), (500, 96)] {
+        let case = Case::new(solved(&scene, &settings(PatchTarget::Count(patches), Method::Lines, lines)));
+        let how = AuditSettings { receivers: 512, seconds: 1e9, ..AuditSettings::default() };
+        let budget = audited(&case, &how);
+        let error = case.true_error(4, budget.mean_irradiance, &truth);
+        println!("{patches} patches, {lines} lines: true {error:.4}, {budget:?}");
+        let total = budget.total;
+        assert!(total.low * 0.9 < error && error < total.high * 1.1, "{error} not in {total:?}");
+        let (parts, whole) = (budget.form_factors.error.max(budget.mesh.error), total.error);
+        assert!(whole < 1.3 * budget.form_factors.error.hypot(budget.mesh.error) && whole > 0.5 * parts);
+    }
+}
+
+#[test]
+fn more_lines_and_more_patches_each_lessen_their_own_error() {
+    let budget = |patches: usize, lines: u32| {
+        let case = Case::new(solved(
+            &builtin("cornell"),
+            &settings(PatchTarget::Count(patches), Method::Lines, lines),
+        ));
+        audited(
+            &case,
+            &AuditSettings { receivers: 192, seconds: 1e9, resolve: 2e-3, ..AuditSettings::default() },
+        )
+    };
+    let (coarse, lines, patches) = (budget(300, 16), budget(300, 128), budget(1200, 16));
+    assert!(lines.form_factors.high < coarse.form_factors.low, "{lines:?} {coarse:?}");
+    assert!(patches.mesh.error < 0.75 * coarse.mesh.error, "{patches:?} {coarse:?}");
+    assert!(lines.mesh.error > 0.6 * coarse.mesh.error, "lines do not mend patches");
+}
+
+#[test]
+fn the_algebraic_error_is_what_further_sweeps_change() {
+    let scene = room_with_blocks(0.8).scene();
+    let at = |tolerance: f64| {
+        let how = SolveSettings { tolerance, ..settings(PatchTarget::Count(600), Method::Lines, 64) };
+        solved(&scene, &how)
+    };
+    let (early, late) = (at(0.9), at(1e-9));
+    assert!(early.sweeps.len() < late.sweeps.len());
+    let lighting = scene.lighting();
+    let (light, exact) = (early.light(&lighting), late.light(&lighting));
+    let counts: Vec<bool> = early.mesh.patches.iter().map(|p| p.luminaire.is_none() && !p.buried).collect();
+    let (mut squares, mut flux, mut area) = (0.0, 0.0, 0.0);
+    for (i, patch) in early.mesh.patches.iter().enumerate().filter(|(i, _)| counts[*i]) {
+        let difference = luminance(light.irradiance[i]) - luminance(exact.irradiance[i]);
+        squares += patch.area * difference.powi(2);
+        flux += patch.area * luminance(light.irradiance[i]);
+        area += patch.area;
+    }
+    let mean = flux / area;
+    let truth = (squares / area).sqrt() / mean;
+    let found = algebraic_error(&early.form_factors, &light, &early.reflectance, &counts, mean);
+    println!("true {truth:.3e}, found {found:?}");
+    assert!(truth > 1e-6, "an early stop leaves something: {truth}");
+    assert!((found.estimate.error / truth - 1.0).abs() < 0.15, "{truth} against {found:?}");
+    assert!(found.bound >= truth);
+    let none = algebraic_error(&late.form_factors, &exact, &late.reflectance, &counts, mean);
+    assert!(none.estimate.error < 1e-5, "{none:?}");
+}
+
+#[test]
+fn without_light_there_is_no_error_to_speak_of() {
+    let scene = room_with_blocks(0.5).scene();
+    let made = solved(&scene, &settings(PatchTarget::Count(100), Method::Lines, 16));
+    let mut dark = scene.lighting();
+    dark.lamps.iter_mut().for_each(|lamp| lamp.on = false);
+    assert_eq!(study::audit(&made, &dark, &AuditSettings::default(), &|| false), None);
+    let stopped = study::audit(&made, &scene.lighting(), &AuditSettings::default(), &|| true);
+    assert_eq!(stopped, None, "a stopped audit tells nothing");
+}
