@@ -22,7 +22,7 @@ pub struct Report {
     pub timings: TimingReport,
     /// One entry a sweep.
     pub sweeps: Vec<SweepLine>,
-    /// Residual after the last sweep, relative to the largest radiosity; `null` without sweeps.
+    /// Residual after the last sweep, relative to the largest radiosity that is reflected; `null` without sweeps.
     pub residual: Option<f64>,
     /// Guaranteed bound on the relative error; `null` without sweeps.
     pub error_bound: Option<f64>,
@@ -204,7 +204,7 @@ pub struct TimingReport {
 pub struct SweepLine {
     /// Counted from 1.
     pub sweep: u32,
-    /// Relative to the largest radiosity.
+    /// Relative to the largest radiosity that is reflected.
     pub residual: f64,
     /// Guaranteed bound on the relative error.
     pub error_bound: f64,

@@ -2,6 +2,7 @@
 
 use super::quality::PairGaps;
 use super::{Row, RowComputer, RowQuality, near};
+use crate::geometry::Frame;
 use rayon::prelude::*;
 
 /// Form factors of a mesh as exchange areas S_ij = A_i F_ij, row by row.
@@ -35,6 +36,9 @@ pub struct AssembleReport {
 
 /// Row sums within this of one count as closed: what rounding leaves of a row.
 const CLOSED: f64 = 2e-5;
+/// Within this of one a row may owe the rest to seams: it counts as closed in a scene that no ray
+/// leaves, and closed forms change it only where rays along its surface leave.
+const NEARLY_CLOSED: f64 = 2e-3;
 /// What closed forms leave open beyond this is no rounding of theirs.
 const GAP: f64 = 5e-4;
 /// A lamp of less than this fraction of a receiver's radius judges the pair better than the receiver.
@@ -87,9 +91,12 @@ impl FormFactors {
             return None;
         }
         let sums: Vec<f64> = rows.par_iter().map(Row::sum).collect();
+        let sealed = computer.rays().is_sealed(mesh);
         let targets: Vec<f64> = (0..n)
             .into_par_iter()
-            .map(|i| mesh.patches[i].area * HEADROOM * row_target(computer, &rows, &close, i, sums[i]))
+            .map(|i| {
+                mesh.patches[i].area * HEADROOM * row_target(computer, &rows, &close, (i, sums[i]), sealed)
+            })
             .collect();
         drop(rows);
         let entries = blocks.iter().map(|b| b.columns.len()).sum();
@@ -251,14 +258,25 @@ impl FormFactors {
 /// What a close pair gains over its sample the others lose, sky and patches alike. Without sky the
 /// sum stays 1; where close pairs are all that is seen, it becomes that of their closed forms, since
 /// from one point the gap between two near plates is not seen at all.
-fn row_target(computer: &RowComputer, rows: &[Row], close: &[Vec<(u32, f64)>], i: usize, sum: f64) -> f64 {
+fn row_target(
+    computer: &RowComputer,
+    rows: &[Row],
+    close: &[Vec<(u32, f64)>],
+    (i, sum): (usize, f64),
+    sealed: bool,
+) -> f64 {
     let mesh = computer.mesh();
-    if sum > 1.0 - CLOSED {
+    let nearly = sum > 1.0 - NEARLY_CLOSED;
+    if sum > 1.0 - CLOSED || (nearly && sealed) {
         let exact = near::sum_in_closed_form(computer, rows, i as u32);
         return exact.filter(|&exact| exact < 1.0 - GAP).unwrap_or(1.0);
     }
+    let patch = &mesh.patches[i];
+    if nearly && !computer.rays().opens_sideways(patch.centre, &Frame::around(patch.normal)) {
+        return sum;
+    }
     let row = &rows[i];
-    let area = mesh.patches[i].area;
+    let area = patch.area;
     let (mut exact, mut sampled) = (0.0, 0.0);
     for &j in &row.patches {
         let (low, high) = if (i as u32) < j { (i, j) } else { (j as usize, i as u32) };

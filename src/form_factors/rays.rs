@@ -4,6 +4,7 @@ use super::row::RowBuffer;
 use crate::geometry::{Bvh, Frame, Ray};
 use crate::mesh::{NO_PATCH, PatchMesh, cosine_direction};
 use glam::DVec3;
+use rayon::prelude::*;
 
 /// What rays are cast against: the true polygons, as triangles.
 #[derive(Clone, Debug)]
@@ -49,6 +50,20 @@ impl RayScene {
         let triangle = hit.triangle as usize;
         let side = usize::from(self.normals[triangle].dot(direction) > 0.0);
         Some((self.patches[triangle][side], self.dark[triangle][side]))
+    }
+
+    /// Whether no ray leaves the scene, of 8 spread over the hemisphere and 16 along the surface from each
+    /// of some thousands of patches that light reaches.
+    pub(super) fn is_sealed(&self, mesh: &PatchMesh) -> bool {
+        const RAYS: u32 = 8;
+        const PATCHES: usize = 4096;
+        let step = mesh.patches.len().div_ceil(PATCHES).max(1);
+        mesh.patches.par_iter().enumerate().step_by(step).filter(|(_, p)| !p.buried).all(|(i, p)| {
+            let frame = Frame::around(p.normal);
+            let turn = (i as f64 * 0.618_033_988_749_894_9).fract();
+            (0..RAYS).all(|k| self.seen(p.centre, frame.world(cosine_direction(k, RAYS, turn))).is_some())
+                && !self.opens_sideways(p.centre, &frame)
+        })
     }
 
     /// Whether a ray along a surface from one of its points, a hair above it, escapes from the scene:

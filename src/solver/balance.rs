@@ -16,7 +16,9 @@ const MOST_AGGREGATES: usize = 384;
 /// At most about this many parts of sides before they are joined.
 const MOST_PARTS: usize = 2048;
 /// Blocks of a side along each of its axes, at most.
-const MOST_BLOCKS: f64 = 4.0;
+const MOST_BLOCKS: f64 = 12.0;
+/// The blocks of all large sides together, about.
+const BLOCKS: f64 = 1000.0;
 /// Cells of space along each axis that the smallest sides of an object share.
 const CELLS: f64 = 6.0;
 
@@ -45,9 +47,12 @@ impl Aggregates {
         Self { of_patch, count: graph.areas.len() }
     }
 
-    /// Blocks of connected sides, larger sides in more of them, since one floor may run through several
+    /// Single patches where they are few, else blocks of connected sides, larger sides in more of them, since one floor may run through several
     /// rooms; where there are too many sides, the smaller ones of an object share cells of space.
     fn parts(mesh: &PatchMesh) -> Self {
+        if mesh.patches.len() <= MOST_PARTS {
+            return Self { of_patch: (0..mesh.patches.len() as u32).collect(), count: mesh.patches.len() };
+        }
         let sides = connected_sides(mesh);
         let mut areas: BTreeMap<u32, f64> = BTreeMap::new();
         for (p, &side) in mesh.patches.iter().zip(&sides) {
@@ -68,7 +73,7 @@ impl Aggregates {
                 let region = &mesh.regions[p.region as usize];
                 let area = areas.get(side).copied().unwrap_or(0.0);
                 let key = if area > smallest {
-                    let blocks = (area / total * MOST_AGGREGATES as f64).sqrt().ceil().min(MOST_BLOCKS);
+                    let blocks = (area / total * BLOCKS).sqrt().ceil().min(MOST_BLOCKS);
                     let local = region.frame.local(p.centre - region.origin).truncate() - region.grid_min;
                     let extent =
                         region.cell_size * DVec2::new(region.cells[0].into(), region.cells[1].into());
@@ -269,6 +274,12 @@ impl PowerBalance {
                         *sum += part;
                     }
                 }
+                // An aggregate of what sees nothing has an empty row: its correction is nought.
+                for own in 0..k {
+                    if matrix[own * k + own] == 0.0 {
+                        matrix[own * k + own] = 1.0;
+                    }
+                }
                 Lu::new(matrix, k)
             })
             .collect();
@@ -290,8 +301,7 @@ struct Lu {
 }
 
 impl Lu {
-    /// The matrix is diagonally dominant: a pivot vanishes only with its whole row, where an aggregate
-    /// sees nothing.
+    /// The matrix is diagonally dominant and has no empty row: no pivot vanishes.
     fn new(mut a: Vec<f64>, n: usize) -> Self {
         let mut pivots = Vec::with_capacity(n);
         for c in 0..n {

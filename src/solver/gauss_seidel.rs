@@ -115,7 +115,13 @@ impl GaussSeidel {
         };
         for group in &self.groups {
             for (lane, &column) in group.columns.iter().enumerate() {
-                let largest = group.radiosity.iter().map(|b| b[lane].abs()).fold(0.0, f64::max);
+                // What is reflected, not what a lamp emits: beside a lamp of a million W/m² all light of
+                // a room is small.
+                let reflected = (0..system.patches())
+                    .map(|i| system.rho(i, column) * group.irradiance[i][lane])
+                    .fold(0.0, f64::max);
+                let emitted = || group.radiosity.iter().map(|b| b[lane].abs()).fold(0.0, f64::max);
+                let largest = if reflected > 0.0 { reflected } else { emitted() };
                 let residual = group.residual.iter().map(|r| r[lane].abs()).fold(0.0, f64::max);
                 if largest > 0.0 {
                     report.residual = report.residual.max(residual / largest);
@@ -181,8 +187,12 @@ impl Group {
                 return;
             }
             let arriving = gather(form_factors, i, &self.radiosity);
+            let own = form_factors.diagonal(i) / form_factors.area(i);
             for (lane, &column) in self.columns.iter().enumerate() {
-                self.radiosity[i][lane] = system.exitance(i, column) + system.rho(i, column) * arriving[lane];
+                // What a patch keeps for itself is solved for, not iterated.
+                let rho = system.rho(i, column);
+                let others = arriving[lane] - own * self.radiosity[i][lane];
+                self.radiosity[i][lane] = (system.exitance(i, column) + rho * others) / (1.0 - rho * own);
             }
         }
     }

@@ -23,7 +23,8 @@ pub use system::System;
 pub struct SweepReport {
     /// Counted from 1.
     pub sweep: u32,
-    /// Largest residual of any patch and basis relative to that basis' largest radiosity.
+    /// Largest residual of any patch and basis relative to the largest radiosity that any patch reflects
+    /// in that basis.
     pub residual: f64,
     /// Guaranteed bound on the largest error of any patch, relative in the same way:
     /// residual / (1 - max rho_i sum_j F_ij).

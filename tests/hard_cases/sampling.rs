@@ -100,7 +100,6 @@ fn surfaces_along_the_axes_of_every_receiver() {
 }
 
 #[test]
-#[ignore = "the solver stops by a bound relative to the brightest patch, here the lamp: 1e-4 of its 1e6 W/m2"]
 fn the_solver_does_not_stop_before_the_light_of_a_small_lamp_is_right() {
     let mut m = Model::new();
     m.grey("paint", 0.9).paint("glow", [0.5; 3], [1e6; 3]);

@@ -78,7 +78,7 @@ pub(in crate::ui) fn show(ui: &egui::Ui, out: &mut Commands) {
         .show(ui.ctx(), |ui| {
             ui.set_width(WIDTH.min(screen.x - 60.0));
             ui.columns(2, |columns| {
-                for (column, groups) in columns.iter_mut().zip([&KEYS[..1], &KEYS[1..]]) {
+                for (column, groups) in columns.iter_mut().zip([&KEYS[..2], &KEYS[2..]]) {
                     for group in groups {
                         keys_of(column, group);
                     }
