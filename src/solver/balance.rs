@@ -154,7 +154,7 @@ impl Exchange {
     }
 
     /// Joins pairs in falling order of how fast sweeps even out a difference between the two, which is
-    /// what joining them loses: at most a sixteenth of all at a time, and no further than to `fewest`.
+    /// what joining them loses: at most a twelfth of all at a time, and no further than to `fewest`.
     /// `None` where nothing is left to join.
     ///
     /// The rate is the Rayleigh quotient of that difference in the network of exchange areas,
@@ -178,7 +178,7 @@ impl Exchange {
             })
             .collect();
         pairs.sort_by(|x, y| y.0.total_cmp(&x.0).then((x.1, x.2).cmp(&(y.1, y.2))));
-        let most = (n - fewest).min((n / 16).max(1));
+        let most = (n - fewest).min((n / 12).max(1));
         let mut partner: Vec<u32> = (0..n as u32).collect();
         let mut joined = 0;
         for (_, a, b) in pairs {
@@ -205,22 +205,27 @@ impl Exchange {
     }
 
     fn coarser(&self, joined: &Aggregates) -> Self {
-        let mut rows = vec![Vec::new(); joined.count];
         let mut areas = vec![0.0; joined.count];
         let mut members: Vec<Vec<usize>> = vec![Vec::new(); joined.count];
         for (a, &to) in joined.of_patch.iter().enumerate() {
             areas[to as usize] += self.areas[a];
             members[to as usize].push(a);
         }
-        let mut sums = vec![0.0; joined.count];
-        for (own, row) in rows.iter_mut().enumerate() {
-            for &a in &members[own] {
-                for &(b, s) in &self.rows[a] {
-                    sums[joined.of_patch[b as usize] as usize] += s;
-                }
-            }
-            *row = Self::take_row(&mut sums, own);
-        }
+        let rows = members
+            .par_iter()
+            .enumerate()
+            .map_init(
+                || vec![0.0; joined.count],
+                |sums, (own, members)| {
+                    for &a in members {
+                        for &(b, s) in &self.rows[a] {
+                            sums[joined.of_patch[b as usize] as usize] += s;
+                        }
+                    }
+                    Self::take_row(sums, own)
+                },
+            )
+            .collect();
         Self { rows, areas }
     }
 }
@@ -267,6 +272,7 @@ impl PowerBalance {
             })
             .collect();
         let factors = (0..system.bands)
+            .into_par_iter()
             .map(|band| {
                 let mut matrix = vec![0.0; k * k];
                 for chunk in &partial {

@@ -36,7 +36,6 @@ fn twelve_sweeps_do_at_any_reflectance() {
         let made = assembled(&scene, &lines(PatchTarget::Count(600)));
         for rho in [0.0, 0.9, 0.99, 0.999, 0.9999] {
             let taken = sweeps(&format!("{name} at {rho}"), &made, &|_| rho);
-            println!("{name} at {rho}: {taken}");
             assert!(taken <= 12, "{name} at {rho}: {taken} sweeps");
         }
         let mixed = |i: usize| 0.999 * (0.618_033_988_749_895 * i as f64).fract();
@@ -52,7 +51,6 @@ fn twelve_sweeps_do_in_four_rooms_with_narrow_doors() {
     let made = assembled(&scene, &lines(PatchTarget::Count(600)));
     for rho in [0.9, 0.99, 0.999, 0.9999] {
         let taken = sweeps(&format!("four rooms at {rho}"), &made, &|_| rho);
-        println!("four at {rho}: {taken}");
         assert!(taken <= 12, "at {rho}: {taken} sweeps");
     }
 }

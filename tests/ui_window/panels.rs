@@ -120,6 +120,7 @@ fn the_difference_to_a_stored_light_can_be_shown() {
     reveal(&mut harness, "Store as A");
     click(&mut harness, "Store as A");
     click(&mut harness, "Ceiling lamp");
+    reveal(&mut harness, "Show difference to A");
     click(&mut harness, "Show difference to A");
     assert_eq!(harness.state().edits().display.quantity, Quantity::Difference);
 }
@@ -135,8 +136,10 @@ fn divider(harness: &Harness<'_, App>) -> Option<f32> {
 fn two_states_stand_side_by_side_with_a_divider_that_moves() {
     let mut harness = window(&Counting::showing(solved()), false);
     assert_eq!(divider(&harness), None);
+    reveal(&mut harness, "Store as A");
     click(&mut harness, "Store as A");
     click(&mut harness, "Ceiling lamp");
+    reveal(&mut harness, "Show A beside now");
     click(&mut harness, "Show A beside now");
     let before = divider(&harness).expect("a divider");
     assert!((before - 0.5).abs() < 0.02, "{before}");
@@ -171,6 +174,7 @@ fn the_first_press_of_c_keeps_the_light_as_it_is() {
     assert!(divider(&harness).is_some() && harness.state().edits().display.split);
     press(&mut harness, Key::L);
     assert!(divider(&harness).is_some(), "illuminance side by side");
+    reveal(&mut harness, "Show difference to A");
     click(&mut harness, "Show difference to A");
     assert_eq!(divider(&harness), None, "a difference has no sides");
 }
