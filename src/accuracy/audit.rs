@@ -66,10 +66,10 @@ impl Default for AuditSettings {
 }
 
 /// How a mean error is passed on by later reflections: as one constant C over the scene, with
-/// C = c <rho e> / (1 - c <rho>), c the mean row sum and <> means over the area.
+/// C = c mean(rho e) / (1 - c mean(rho)), c the mean row sum, means over the area.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Interreflection {
-    /// c / (1 - c <rho>).
+    /// c / (1 - c mean(rho)).
     pub gain: f64,
 }
 

@@ -35,8 +35,8 @@ pub struct Sample {
 /// Quantile of the normal distribution for 95 % between both tails.
 const Z: f64 = 1.959_963_984_540_054;
 
-/// Root mean square of an error whose mean is passed on with the factor `gain`: with C = gain <rho e>
-/// the constant that later reflections add, <(e + C)²> = <e²> + 2 C <e> + C².
+/// Root mean square of an error whose mean is passed on with the factor `gain`: with C = gain mean(rho e)
+/// the constant that later reflections add, mean((e + C)²) = mean(e²) + 2 C mean(e) + C².
 ///
 /// Bias and spread by the jackknife (Efron & Stein 1981: pseudo-values), the interval by Hall's
 /// (1992) transformation of Student's t, which mends the skewness that few large squares cause.
