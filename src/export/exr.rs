@@ -1,6 +1,6 @@
 use super::{ExportError, atomic};
 use exr::prelude::{
-    AnyChannel, AnyChannels, Encoding, FlatSamples, Image, Layer, LayerAttributes, SmallVec,
+    AnyChannel, AnyChannels, Encoding, FlatSamples, Image, Layer, LayerAttributes, LineOrder, SmallVec,
     WritableImage as _,
 };
 use std::io::{self, Cursor, Write as _};
@@ -58,7 +58,8 @@ pub fn write_exr(path: &Path, still: &StillLayers<'_>) -> Result<(), ExportError
     let image = Image::from_layer(Layer::new(
         (still.width as usize, still.height as usize),
         LayerAttributes { software_name: Some("Lumenwalk".into()), ..LayerAttributes::default() },
-        Encoding::SMALL_FAST_LOSSLESS,
+        // Lines in their order and not in that in which threads are done: the same bytes every time.
+        Encoding { line_order: LineOrder::Increasing, ..Encoding::SMALL_FAST_LOSSLESS },
         AnyChannels::sort(channels),
     ));
     // The encoder seeks, which a pipe cannot; so it writes to memory.
@@ -116,6 +117,32 @@ mod tests {
         assert_eq!(floats("normal.Z"), [-0.8; 6]);
         assert_eq!(floats("Z"), depth);
         assert_eq!(*channel("patch.id"), FlatSamples::U32(patch.to_vec()));
+    }
+
+    #[test]
+    fn the_same_picture_gives_the_same_bytes() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.exr");
+        let (width, height) = (320, 400);
+        let count = (width * height) as usize;
+        let rgb: Vec<[f32; 3]> = (0..count).map(|i| [(i as f32 * 0.37).sin(), 1.0, i as f32]).collect();
+        let patch: Vec<u32> = (0..count as u32).collect();
+        let depth = vec![1.0; count];
+        let still = StillLayers {
+            width,
+            height,
+            radiance: &rgb,
+            irradiance: &rgb,
+            patch: &patch,
+            normal: &rgb,
+            depth: &depth,
+        };
+        let mut written = (0..12).map(|_| {
+            write_exr(&path, &still).unwrap();
+            std::fs::read(&path).unwrap()
+        });
+        let first = written.next().unwrap();
+        assert!(written.all(|bytes| bytes == first));
     }
 
     #[test]
