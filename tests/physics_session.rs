@@ -144,7 +144,11 @@ fn a_tolerance_costs_no_row_and_a_patch_size_all() {
     assert_eq!(recomputed(&smaller).0, patches, "{}", smaller.last_change);
 
     // Another method computes rows anew over the same patches.
-    watched.session.set_settings(SolveSettings { method: Method::Rays, resolution: Some(64), ..coarse(3500) });
+    watched.session.set_settings(SolveSettings {
+        method: Method::Rays,
+        resolution: Some(64),
+        ..coarse(3500)
+    });
     let by_rays = watched.converged(&smaller);
     assert_eq!(recomputed(&by_rays).0, patches, "{}", by_rays.last_change);
 }
