@@ -27,8 +27,9 @@ impl App {
             ui.allocate_exact_size(ui.available_size().max(Vec2::splat(1.0)), Sense::click_and_drag());
         response.widget_info(|| egui::WidgetInfo::labeled(egui::accesskit::Role::Canvas, true, "Scene view"));
         self.view_rect = rect;
-        let pixels = rect.size() * ui.pixels_per_point();
-        self.view_size_px = [pixels.x, pixels.y].map(|n| n.round().max(1.0) as u32);
+        // Its edges as egui rounds them, so that pixels of the picture are pixels of the window.
+        let [min, max] = [rect.min, rect.max].map(|p| (p.to_vec2() * ui.pixels_per_point()).round());
+        self.view_size_px = [max.x - min.x, max.y - min.y].map(|n| n.max(1.0) as u32);
         if response.clicked() || response.drag_started() {
             // Keys go to the scene again.
             ui.ctx().memory_mut(|m| m.focused().into_iter().for_each(|id| m.surrender_focus(id)));
