@@ -1,6 +1,7 @@
 //! The window as a whole: what it holds, and the order of a frame.
 
 use super::auditor::Auditor;
+use super::background::Background;
 use super::camera_control::CameraControl;
 use super::command::EditKey;
 use super::exposure::AutoExposure;
@@ -14,11 +15,12 @@ use super::path_dialog::{Answer, PathDialog};
 use super::picture::Picture;
 use super::reclaim::Reclaim;
 use super::state::{DisplaySettings, Edits, Quantity, UiState};
-use super::touring::Playing;
+use super::touring::{Plan, Playing};
 use super::viewport::Viewport;
 use super::worker::Worker;
 use super::{input, theme};
 use crate::display::FalseColour;
+use crate::render::Tour;
 use crate::scene::{Lighting, Scene, SceneSource, View};
 use crate::session::Snapshot;
 use std::sync::Arc;
@@ -72,6 +74,8 @@ pub struct App {
     pub(super) divider: f32,
     /// The tour that plays.
     pub(super) touring: Option<Playing>,
+    /// The tour whose ways were found last.
+    pub(super) tours: Background<Plan, Option<Tour>>,
     pub(super) clock: FrameClock,
     pub(super) reclaim: Reclaim,
     /// Where an orbit started: the point under the cursor.
@@ -148,6 +152,7 @@ impl App {
             view_rect: egui::Rect::ZERO,
             divider: 0.5,
             touring: None,
+            tours: Background::default(),
             clock,
             reclaim: Reclaim::default(),
             pivot: None,

@@ -100,7 +100,7 @@ impl App {
         if self.touring.is_some() {
             ui.ctx().request_repaint();
         }
-        if self.play_tour(since) {
+        if self.play_tour(ui.ctx(), since) {
             return;
         }
         let Some(camera) = &mut self.camera else { return };
