@@ -20,6 +20,7 @@ mod input;
 mod legend;
 mod microscope;
 mod outline;
+mod outlook;
 mod overlay;
 mod panels;
 mod path_dialog;
