@@ -3,7 +3,7 @@
 use glam::DVec3;
 use lumenwalk::geometry::{Bvh, Ray};
 use lumenwalk::render::{FreeSpace, Tour, person_scale, walking_pace};
-use lumenwalk::scene::{self, Scene, SceneSource};
+use lumenwalk::scene::{self, Scene, SceneSource, View};
 
 fn planned(scene: &Scene) -> Tour {
     let (up, bounds) = (scene.up.vector(), scene.bounds());
@@ -52,4 +52,23 @@ fn the_straight_tour_of_the_house_would_pass_through_walls() {
     let scene = scene::load(&SceneSource::Builtin("house".to_owned())).expect("embedded");
     let straight = Tour::through(&scene.views, scene.up.vector(), 1.6).expect("a tour");
     assert!(collisions(&scene, &eyes(&straight)) > 3);
+}
+
+#[test]
+fn where_no_way_leads_the_tour_goes_straight_and_tells() {
+    let eye = |x: f64| DVec3::new(x, 1.6, 0.0);
+    let view = |x: f64| View { name: String::new(), eye: eye(x), target: eye(x + 1.0), fov_y_deg: 60.0 };
+    // A closed box of 2 m around the second view.
+    let corner =
+        |k: usize| eye(5.0) + DVec3::new([-1.0, 1.0][k & 1], [-1.0, 1.0][k >> 1 & 1], [-1.0, 1.0][k >> 2]);
+    let sides = [[0, 1, 3, 2], [4, 5, 7, 6], [0, 1, 5, 4], [2, 3, 7, 6], [0, 2, 6, 4], [1, 3, 7, 5]];
+    let triangles: Vec<[DVec3; 3]> =
+        sides.iter().flat_map(|q| [[q[0], q[1], q[2]], [q[0], q[2], q[3]]]).map(|t| t.map(corner)).collect();
+    let views = [view(0.0), view(5.0), view(5.5)];
+    let eyes = views.clone().map(|view| view.eye);
+    let tour = Tour::walk(&views, DVec3::Y, 1.6, &FreeSpace::new(&triangles, &eyes, DVec3::Y, 1.0));
+    let tour = tour.expect("a tour");
+    assert_eq!(tour.barred(), [0]);
+    let ends = [0.0, tour.seconds()].map(|seconds| tour.camera(seconds).eye);
+    assert!(ends[0].distance(eye(0.0)) < 1e-9 && ends[1].distance(eye(5.5)) < 1e-9, "{ends:?}");
 }
