@@ -108,6 +108,8 @@ impl App {
             Command::Inspect(patch) => {
                 self.look_into(patch);
                 self.inspect_fresh = patch.is_some();
+                // Whoever looks that closely has read how to walk.
+                self.state.hint_done |= patch.is_some();
             }
             Command::PickNext(patch) => self.look_into(Some(patch)),
             Command::PickBack => {

@@ -84,8 +84,9 @@ pub(super) fn waiting(ui: &egui::Ui, view: Rect, text: &str) {
     ui.painter_at(view).text(view.center(), Align2::CENTER_CENTER, text, font, theme::TEXT_WEAK);
 }
 
-/// How far a tour has come, and how it ends; that ways are looked for where it has no length yet.
-pub(super) fn tour(ui: &egui::Ui, view: Rect, seconds: f64, all: f64) {
+/// How far a tour has come, and how it ends; that ways are looked for where it has no length yet, and
+/// where none was found.
+pub(super) fn tour(ui: &egui::Ui, view: Rect, [seconds, all]: [f64; 2], barred: Option<&str>) {
     corner(ui, "tour", view, Align2::CENTER_TOP, |ui| {
         ui.style_mut().interaction.selectable_labels = false;
         ui.horizontal(|ui| {
@@ -100,6 +101,9 @@ pub(super) fn tour(ui: &egui::Ui, view: Rect, seconds: f64, all: f64) {
             let text = format!("{far}{how}");
             ui.label(RichText::new(text).color(Color32::from_gray(235)));
         });
+        if let Some(barred) = barred {
+            ui.label(RichText::new(barred).color(theme::WARNING));
+        }
     });
 }
 

@@ -1,7 +1,6 @@
 //! A tour through the bookmarks, played in the window.
 
 use super::app::App;
-use super::overlay::Notice;
 use crate::render::{FreeSpace, Tour, person_scale, walking_pace};
 use crate::scene::View;
 use std::sync::Arc;
@@ -27,6 +26,19 @@ impl Playing {
     pub(super) fn progress(&self) -> [f64; 2] {
         let tour = self.tour.as_ref().and_then(|tour| tour.as_ref().as_ref());
         [self.seconds, tour.map_or(0.0, Tour::seconds)]
+    }
+
+    /// Says from which bookmarks it goes straight through things, where it does.
+    pub(super) fn barred(&self) -> Option<String> {
+        let tour = self.tour.as_ref()?.as_ref().as_ref()?;
+        let names: Vec<&str> =
+            tour.barred().iter().filter_map(|&k| Some(self.plan.1.get(k)?.name.as_str())).collect();
+        let from = match names[..] {
+            [] => return None,
+            [name] => name.to_owned(),
+            [name, ..] => format!("{name} and {} more", names.len() - 1),
+        };
+        Some(format!("No way leads on from {from}: there it goes straight"))
     }
 }
 
@@ -78,13 +90,7 @@ impl App {
         let Some(playing) = self.touring.as_mut().filter(|playing| playing.tour.is_none()) else { return };
         let found = self.tours.latest().filter(|(plan, _)| **plan == playing.plan);
         if let Some(tour) = found.map(|(_, tour)| Arc::clone(tour)) {
-            let barred = tour.as_ref().as_ref().map_or(0, |tour| tour.barred().len());
             playing.tour = Some(tour);
-            if barred > 0 {
-                let legs = if barred == 1 { "one place".to_owned() } else { format!("{barred} places") };
-                let text = format!("In {legs} no way leads to the next bookmark: the tour goes straight on");
-                self.notice = Some(Notice { text, is_error: false, since: ctx.input(|i| i.time) });
-            }
             return;
         }
         let Some(prepared) = &self.picture.prepared else { return };

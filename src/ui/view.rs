@@ -313,8 +313,9 @@ impl App {
         } else if !self.state.hint_done && !self.help_open && self.notice.is_none() {
             overlay::hint(ui, rect);
         }
-        if let Some([seconds, all]) = model.tour {
-            overlay::tour(ui, rect, seconds, all);
+        // A message takes its place for a while.
+        if let Some(touring) = self.touring.as_ref().filter(|_| self.notice.is_none()) {
+            overlay::tour(ui, rect, touring.progress(), touring.barred().as_deref());
         }
         if let Some(notice) = &self.notice {
             overlay::notice(ui, rect, notice, out);
