@@ -187,7 +187,9 @@ fn a_missing_file_leaves_the_present_scene() {
     let watched = Watched::coarse();
     let first = watched.open_builtin("cornell");
     watched.session.open(SceneSource::File("no/such/file.obj".into()));
-    let failed = watched.until("failure", |s| s.stage == Stage::Failed);
+    let failed = watched.until("failure", |s| s.error.is_some());
+    assert_eq!((failed.stage, failed.fraction), (Stage::Converged, 1.0), "the present scene stands whole");
+    assert_eq!(failed.last_change, first.last_change);
     let message = failed.error.clone().expect("a message");
     assert!(message.contains("file.obj") && !message.contains('\n'), "{message}");
     assert!(Arc::ptr_eq(failed.scene.as_ref().unwrap(), first.scene.as_ref().unwrap()));
@@ -197,6 +199,29 @@ fn a_missing_file_leaves_the_present_scene() {
     let edited = watched.converged(&failed);
     assert_eq!(recomputed(&edited).0, 0, "{}", edited.last_change);
     assert_eq!(edited.error, None);
+}
+
+#[test]
+fn a_file_that_is_refused_interrupts_a_solve_and_forgets_no_edit() {
+    let watched = Watched::coarse();
+    watched.session.set_settings(coarse(3000));
+    watched.session.open(SceneSource::Builtin("hemicube".to_owned()));
+    watched.until("rows", |s| s.rows.0 > 20);
+    watched.session.open(SceneSource::File("no/such/file.obj".into()));
+    let whole = watched.until("convergence", |s| s.stage == Stage::Converged);
+    assert!(whole.error.as_deref().is_some_and(|e| e.contains("file.obj")), "{:?}", whole.error);
+    assert_eq!(whole.scene.as_ref().unwrap().name, "hemicube");
+    assert_eq!(whole.rows.0, whole.rows.1);
+
+    watched.session.set_materials(vec![MaterialEdit { material: 0, reflectance: [0.2; 3] }]);
+    let edited = watched.converged(&whole);
+    watched.session.open(SceneSource::File("no/such/file.obj".into()));
+    let refused = watched.until("refusal", |s| s.error.is_some());
+    assert_eq!(refused.reflectance, edited.reflectance);
+    watched.session.set_settings(SolveSettings { tolerance: 1e-7, ..coarse(3000) });
+    let tighter = watched.until("convergence", |s| s.stage == Stage::Converged && s.error.is_none());
+    assert_eq!(tighter.reflectance, edited.reflectance, "the edit is still in force");
+    assert_eq!(tighter.error, None);
 }
 
 #[test]

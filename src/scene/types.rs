@@ -69,6 +69,11 @@ impl Scene {
         surface.corners.iter().map(|c| self.positions[c.position as usize]).collect()
     }
 
+    /// Triangles of all surfaces, metres.
+    pub fn triangles(&self) -> Vec<[DVec3; 3]> {
+        super::views::triangles(&self.positions, &self.surfaces).0
+    }
+
     /// The state in which the lamps come with the file.
     pub fn lighting(&self) -> Lighting {
         Lighting { lamps: self.luminaires.iter().map(|l| l.initial).collect() }

@@ -1,6 +1,7 @@
 //! The window as a whole: what it holds, and the order of a frame.
 
 use super::auditor::Auditor;
+use super::background::Background;
 use super::camera_control::CameraControl;
 use super::command::EditKey;
 use super::exposure::AutoExposure;
@@ -14,11 +15,12 @@ use super::path_dialog::{Answer, PathDialog};
 use super::picture::Picture;
 use super::reclaim::Reclaim;
 use super::state::{DisplaySettings, Edits, Quantity, UiState};
-use super::touring::Playing;
+use super::touring::{Plan, Playing};
 use super::viewport::Viewport;
 use super::worker::Worker;
 use super::{input, theme};
 use crate::display::FalseColour;
+use crate::render::Tour;
 use crate::scene::{Lighting, Scene, SceneSource, View};
 use crate::session::Snapshot;
 use std::sync::Arc;
@@ -72,6 +74,8 @@ pub struct App {
     pub(super) divider: f32,
     /// The tour that plays.
     pub(super) touring: Option<Playing>,
+    /// The tour whose ways were found last.
+    pub(super) tours: Background<Plan, Option<Tour>>,
     pub(super) clock: FrameClock,
     pub(super) reclaim: Reclaim,
     /// Where an orbit started: the point under the cursor.
@@ -148,6 +152,7 @@ impl App {
             view_rect: egui::Rect::ZERO,
             divider: 0.5,
             touring: None,
+            tours: Background::default(),
             clock,
             reclaim: Reclaim::default(),
             pivot: None,
@@ -352,10 +357,11 @@ impl App {
     fn panels(&mut self, ui: &mut egui::Ui, out: &mut Commands) {
         let (mut left_open, mut right_open) = (self.state.left_open, self.state.right_open);
         let model = self.model();
-        let bar = egui::Frame::new().fill(theme::PANEL).inner_margin(egui::Margin::symmetric(8, 4));
+        let ground = egui::Frame::new().fill(ui.visuals().panel_fill);
+        let bar = ground.inner_margin(egui::Margin::symmetric(8, 4));
         egui::Panel::top("menu").frame(bar).show(ui, |ui| panels::menu::show(ui, &model, out));
         if self.state.show_status {
-            let bar = egui::Frame::new().fill(theme::PANEL).inner_margin(egui::Margin::symmetric(8, 2));
+            let bar = ground.inner_margin(egui::Margin::symmetric(8, 2));
             egui::Panel::bottom("status").frame(bar).show(ui, |ui| panels::status::show(ui, &model));
         }
         let side =
@@ -382,7 +388,7 @@ impl App {
             });
         });
         if self.state.table_open {
-            let frame = egui::Frame::new().fill(theme::PANEL).inner_margin(egui::Margin::symmetric(8, 5));
+            let frame = ground.inner_margin(egui::Margin::symmetric(8, 5));
             let panel = egui::Panel::bottom("patch table").resizable(true).default_size(196.0);
             panel.size_range(110.0..=420.0).frame(frame).show(ui, |ui| panels::table::show(ui, &model, out));
         }
@@ -489,7 +495,8 @@ impl eframe::App for App {
     }
 
     fn clear_color(&self, _visuals: &egui::Visuals) -> [f32; 4] {
-        theme::BACKDROP.to_normalized_gamma_f32()
+        // Panels do not fill their ground again: see `theme::leave_ground_to_the_clear`.
+        theme::PANEL.to_normalized_gamma_f32()
     }
 }
 
@@ -505,10 +512,14 @@ fn fitted_fov(fov_y_deg: f64, aspect: f64) -> f64 {
 }
 
 fn scroll(ui: &mut egui::Ui, name: &str, contents: impl FnOnce(&mut egui::Ui)) {
-    egui::ScrollArea::vertical().id_salt(name).auto_shrink(false).show(ui, |ui| {
-        // Room for the scroll bar, so that nothing is clipped and nothing jumps.
-        ui.set_max_width(ui.available_width() - 8.0);
-        contents(ui);
+    // Says what is behind, painted or cleared: lines fade into it where there is more to scroll to.
+    let behind = egui::UiStackInfo { frame: egui::Frame::new().fill(theme::PANEL), ..Default::default() };
+    ui.scope_builder(egui::UiBuilder::new().ui_stack_info(behind), |ui| {
+        egui::ScrollArea::vertical().id_salt(name).auto_shrink(false).show(ui, |ui| {
+            // Room for the scroll bar, so that nothing is clipped and nothing jumps.
+            ui.set_max_width(ui.available_width() - 8.0);
+            contents(ui);
+        });
     });
 }
 

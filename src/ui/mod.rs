@@ -20,6 +20,7 @@ mod input;
 mod legend;
 mod microscope;
 mod outline;
+mod outlook;
 mod overlay;
 mod panels;
 mod path_dialog;
@@ -90,7 +91,9 @@ pub fn run(source: SceneSource, settings: SolveSettings) -> Result<(), UiError> 
             state.remember(path);
         }
         has_opened.store(true, Ordering::Relaxed);
-        Ok(Box::new(App::new(cc, Box::new(session), state)))
+        let app = App::new(cc, Box::new(session), state);
+        theme::leave_ground_to_the_clear(&cc.egui_ctx);
+        Ok(Box::new(app))
     });
     eframe::run_native("Lumenwalk", options, create).map_err(|error| {
         let text = error.to_string();
