@@ -1,10 +1,11 @@
 //! One path from texts to a [`Scene`], for files and embedded scenes alike.
 
 use super::error::SceneError;
+use super::finding::{Finding, FindingKind, Severity};
 use super::luminaires::{Parts, gather};
 use super::repair::repair;
 use super::sidecar::{Sidecar, Source};
-use super::types::{Finding, Scene, SceneSource, Severity};
+use super::types::{Scene, SceneSource};
 use super::{builtin, mtl, names, obj, views};
 use crate::geometry::Aabb;
 use glam::DVec3;
@@ -203,5 +204,5 @@ fn absurd_size(scene: &Scene) -> Option<Finding> {
          set its unit (mm, cm, m, in or ft) in {}.toml if metres are wrong",
         scene.name
     );
-    Some(Finding { severity: Severity::Warning, message, count: 1 })
+    Some(Finding::new(FindingKind::Unit, Severity::Warning, message))
 }

@@ -1,10 +1,11 @@
 //! MTL text to materials. As for OBJ, a scan checks each line before `tobj` parses it.
 
 use super::error::SceneError;
+use super::finding::{Finding, FindingKind, Severity};
 use super::names;
 use super::obj::{NO_MATERIAL, Scan, keyword, logical_lines, words};
 use super::textures::Textures;
-use super::types::{Finding, MAX_REFLECTANCE, Material, Severity, Sides};
+use super::types::{MAX_REFLECTANCE, Material, Sides};
 use std::f64::consts::PI;
 use std::fmt::Write as _;
 
@@ -91,11 +92,11 @@ fn library_files(
 
 impl Library {
     fn warn(&mut self, message: String) {
-        self.findings.push(Finding { severity: Severity::Warning, message, count: 1 });
+        self.findings.push(Finding::new(FindingKind::Material, Severity::Warning, message));
     }
 
     fn note(&mut self, message: String) {
-        self.findings.push(Finding { severity: Severity::Note, message, count: 1 });
+        self.findings.push(Finding::new(FindingKind::Material, Severity::Note, message));
     }
 
     fn scan(&mut self, file: &str, text: &str) -> Result<(), SceneError> {
