@@ -2,8 +2,10 @@ use super::failure::Failure;
 use super::report::severity_name;
 use super::text;
 use crate::mesh::{self, MeshSettings};
+use crate::outputs::save_repaired;
 use crate::scene::{self, Crossing, Finding, Scene, SceneSource, Severity, Summary};
 use clap::Args;
+use std::path::{Path, PathBuf};
 
 /// Models of more surfaces take long to be cut into patches.
 const MOST_SURFACES: usize = 40_000;
@@ -16,6 +18,9 @@ pub(super) struct Arguments {
     /// An OBJ file, or builtin:NAME
     #[arg(value_name = "SCENE")]
     scene: String,
+    /// Write a mended copy, with its MTL and sidecar beside it; the model itself stays as it is
+    #[arg(long, value_name = "OUT.obj")]
+    repair: Option<PathBuf>,
 }
 
 pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
@@ -24,11 +29,31 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
     let examination = scene::examine(&scene);
     findings.extend(examination.findings);
     findings.extend(of_patches(&scene, &examination.crossings));
-    text::print(&format!("{}{}", Summary::of(&scene), describe(&mut findings)))?;
+    let mut told = format!("{}{}", Summary::of(&scene), describe(&mut findings));
+    if let Some(copy) = &arguments.repair {
+        told += &repair(copy, &scene)?;
+    }
+    text::print(&told)?;
     if findings.iter().any(|finding| finding.severity == Severity::Error) {
         return Err(Failure::Told);
     }
     Ok(())
+}
+
+/// Writes the copy and tells what was done to it.
+fn repair(copy: &Path, scene: &Scene) -> Result<String, Failure> {
+    let mended = save_repaired(copy, scene)?;
+    let mut told = format!("repaired copy: {}\n", copy.display());
+    if mended.done.is_empty() {
+        told += "  nothing had to be mended\n";
+    }
+    for line in &mended.done {
+        told += &format!("  {line}\n");
+    }
+    for line in &mended.left {
+        told += &format!("  left: {line}\n");
+    }
+    Ok(told)
 }
 
 /// What the patches of the scene tell, where it is small enough to be cut into them at once.

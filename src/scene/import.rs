@@ -94,7 +94,7 @@ fn display(path: &Path) -> String {
 }
 
 /// Reads a plain file; devices and pipes could go on for ever.
-fn read_file(path: &Path) -> io::Result<Vec<u8>> {
+pub(super) fn read_file(path: &Path) -> io::Result<Vec<u8>> {
     let metadata = std::fs::metadata(path)?;
     if metadata.is_dir() {
         return Err(io::ErrorKind::IsADirectory.into());
@@ -106,7 +106,7 @@ fn read_file(path: &Path) -> io::Result<Vec<u8>> {
 }
 
 /// A file named in a model: as given, with `\` for `/`, or by its last part beside the model.
-fn read_beside(folder: &Path, file: &str) -> io::Result<Vec<u8>> {
+pub(super) fn read_beside(folder: &Path, file: &str) -> io::Result<Vec<u8>> {
     let slashed = file.replace('\\', "/");
     let last = slashed.rsplit('/').next().unwrap_or_default();
     let mut result = read_file(&folder.join(file));

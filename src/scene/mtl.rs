@@ -78,7 +78,7 @@ pub(super) fn read(
 }
 
 /// `mtllib` may list several files, and one name may hold spaces: the whole is tried first.
-fn library_files(
+pub(super) fn library_files(
     given: &str,
     read: &dyn Fn(&str) -> std::io::Result<Vec<u8>>,
 ) -> Vec<(String, std::io::Result<Vec<u8>>)> {
@@ -294,7 +294,7 @@ pub(super) fn repair_reflectance(given: [f64; 3], largest: f64) -> ([f64; 3], Op
 }
 
 /// The file name after the options of a `map_` statement (`-s 1 1 1`, `-clamp on`...).
-fn image_name(rest: &str) -> String {
+pub(super) fn image_name(rest: &str) -> String {
     let mut rest = rest.trim();
     while let Some(option) = rest.strip_prefix('-') {
         let (name, mut tail) = keyword(option);

@@ -1,9 +1,9 @@
 //! Where faces do not meet as they should: open edges, holes, cracks, T-vertices, and neighbours that
 //! face opposite ways.
 
-use super::orientation::orient;
+use super::orientation::{Orientation, orient};
 use super::survey::Survey;
-use super::topology::{HalfEdge, Stop, bundles, cut, half_edges, stops, weld};
+use super::topology::{HalfEdge, bundles, cut, half_edges, missing, stops, weld};
 use crate::scene::finding::{Finding, FindingKind, Places, Severity, line_list};
 use crate::scene::names;
 use glam::DVec3;
@@ -87,7 +87,7 @@ pub(super) fn check(survey: &Survey<'_>, findings: &mut Vec<Finding>) {
         .map(|(s, plane)| if s.luminaire.is_some() { f64::INFINITY } else { plane.area })
         .collect();
     let orientation = orient(&seams.joined, &weights);
-    report_winding(survey, &seams, &orientation.turn, findings);
+    report_winding(survey, &seams, &orientation, findings);
     report_t_vertices(survey, &seams, findings);
     report_cracks(survey, &seams, findings);
     report_open(survey, &seams, &orientation.shell, findings);
@@ -103,17 +103,8 @@ fn find_t_vertices(
 ) -> Vec<HalfEdge> {
     let stops = stops(open, positions, tolerance);
     let pieces = cut(open, &stops);
-    // Where both parts of an edge stay open the corner only happens to lie there.
-    let met: HashSet<(u32, u32, u32)> = bundles(&pieces)
-        .filter(|bundle| bundle.len() > 1)
-        .flatten()
-        .flat_map(|p| [(p.face, p.side, p.from), (p.face, p.side, p.to)])
-        .collect();
-    let is_met = |stop: &&Stop| {
-        let edge = &open[stop.edge as usize];
-        met.contains(&(edge.face, edge.side, stop.corner))
-    };
-    seams.t_vertices = stops.iter().filter(is_met).map(|s| (s.corner, open[s.edge as usize].face)).collect();
+    let lacking = missing(open, &stops, &pieces);
+    seams.t_vertices = lacking.map(|s| (s.corner, open[s.edge as usize].face)).collect();
     seams.t_vertices.sort_unstable();
     seams.t_vertices.dedup();
     seams.sort_in(&pieces)
@@ -170,35 +161,50 @@ fn naming(survey: &Survey<'_>, faces: &[u32]) -> String {
     format!("{objects}{}", line_list(&lines, sorted.len()))
 }
 
-fn report_winding(survey: &Survey<'_>, seams: &Seams, turn: &[bool], findings: &mut Vec<Finding>) {
-    if seams.opposed.is_empty() {
-        return;
-    }
-    let turned: Vec<u32> = (0..turn.len() as u32).filter(|&f| turn[f as usize]).collect();
-    let mut places = Places::of_faces(turned.iter().copied());
-    seams.opposed.iter().for_each(|e| places.add_edge(e.ends(&survey.scene.positions)));
-    let edges = seams.opposed.len();
-    let message = match turned.len() {
-        0 => {
-            let faces: Vec<u32> = seams.opposed.iter().map(|e| e.face).collect();
-            format!(
-                "edges that both faces run through in the same direction ({edges}, in {})",
-                naming(survey, &faces)
-            )
-        }
-        n => format!(
-            "faces that are turned against their neighbours ({n}, in {}); {edges} edges are run through in the \
-             same direction by both of their faces",
+fn report_winding(survey: &Survey<'_>, seams: &Seams, found: &Orientation, findings: &mut Vec<Finding>) {
+    let turned: Vec<u32> = (0..found.turn.len() as u32).filter(|&f| found.turn[f as usize]).collect();
+    let positions = &survey.scene.positions;
+    let (torn, plain): (Vec<&HalfEdge>, Vec<&HalfEdge>) =
+        seams.opposed.iter().partition(|e| found.twisted[e.face as usize]);
+    let consequence = "it matters where they emit, have one side, or are shaded smoothly";
+    if !turned.is_empty() {
+        let mut places = Places::of_faces(turned.iter().copied());
+        plain.iter().for_each(|e| places.add_edge(e.ends(positions)));
+        let message = format!(
+            "faces that are turned against their neighbours ({}, in {})",
+            turned.len(),
             naming(survey, &turned)
-        ),
-    };
-    let count = if turned.is_empty() { edges } else { turned.len() };
-    findings.push(
-        Finding::new(FindingKind::Winding, Severity::Warning, message)
-            .counted(count)
-            .with("it matters where they emit, have one side, or are shaded smoothly")
-            .at(places),
-    );
+        );
+        findings.push(
+            Finding::new(FindingKind::Winding, Severity::Warning, message)
+                .counted(turned.len())
+                .with(consequence)
+                .at(places),
+        );
+    } else if !plain.is_empty() {
+        findings.push(opposed(
+            survey,
+            &plain,
+            Severity::Warning,
+            "where lamps face against their neighbours",
+        ));
+    }
+    if !torn.is_empty() {
+        findings.push(opposed(survey, &torn, Severity::Note, "in parts that cannot face one way as a whole"));
+    }
+}
+
+/// Edges that cannot be mended by turning faces.
+fn opposed(survey: &Survey<'_>, edges: &[&HalfEdge], severity: Severity, why: &str) -> Finding {
+    let faces: Vec<u32> = edges.iter().map(|e| e.face).collect();
+    let mut places = Places::default();
+    edges.iter().for_each(|e| places.add_edge(e.ends(&survey.scene.positions)));
+    let (count, naming) = (edges.len(), naming(survey, &faces));
+    let message = format!("edges that both faces run through in one direction, {why} ({count}, in {naming})");
+    Finding::new(FindingKind::Winding, severity, message)
+        .counted(count)
+        .with("each face is lit and emits as it stands")
+        .at(places)
 }
 
 fn report_t_vertices(survey: &Survey<'_>, seams: &Seams, findings: &mut Vec<Finding>) {

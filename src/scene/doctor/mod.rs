@@ -11,6 +11,7 @@ mod survey;
 pub(super) mod topology;
 mod unit;
 
+pub(super) use edges::{CRACK, MOST_OPEN, WELD};
 pub use pairs::Crossing;
 
 use super::finding::Finding;
@@ -36,6 +37,11 @@ pub fn examine(scene: &Scene) -> Examination {
     lamps::check(&survey, &mut findings);
     unit::check(scene, &mut findings);
     Examination { findings, crossings: pairs.crossings }
+}
+
+/// The places where faces cut through each other, as [`examine`] finds them.
+pub(super) fn crossings(scene: &Scene) -> Vec<Crossing> {
+    pairs::search(&survey::Survey::of(scene)).crossings
 }
 
 /// The findings of [`examine`].

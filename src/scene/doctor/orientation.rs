@@ -25,23 +25,28 @@ impl Shells {
         (root, turned)
     }
 
-    /// Joins two faces, of which one must be turned to face as the other does, or not.
-    fn join(&mut self, a: u32, b: u32, opposed: bool) {
+    /// Joins two faces, of which one must be turned to face as the other does, or not. Returns whether
+    /// that can be.
+    fn join(&mut self, a: u32, b: u32, opposed: bool) -> bool {
         let ((a, a_turned), (b, b_turned)) = (self.root(a), self.root(b));
-        if a != b {
-            self.parent[b as usize] = a;
-            self.turned[b as usize] = a_turned ^ b_turned ^ opposed;
+        if a == b {
+            return a_turned ^ b_turned == opposed;
         }
+        self.parent[b as usize] = a;
+        self.turned[b as usize] = a_turned ^ b_turned ^ opposed;
+        true
     }
 }
 
 /// Who faces which way.
 pub(in crate::scene) struct Orientation {
     /// For each face whether turning it makes its shell face one way. The part of a shell that weighs
-    /// most stays.
+    /// most stays; one that cannot face one way, such as a Möbius strip, stays as a whole.
     pub(in crate::scene) turn: Vec<bool>,
     /// For each face the number of the shell that it is a part of: its lowest face.
     pub(in crate::scene) shell: Vec<u32>,
+    /// Whether the shell of each face cannot face one way.
+    pub(in crate::scene) twisted: Vec<bool>,
 }
 
 /// Finds the faces to turn. `edges` are sorted (see [`super::topology::sort`]); those between exactly
@@ -50,14 +55,20 @@ pub(in crate::scene) struct Orientation {
 pub(in crate::scene) fn orient(edges: &[HalfEdge], weights: &[f64]) -> Orientation {
     let count = weights.len();
     let mut shells = Shells { parent: (0..count as u32).collect(), turned: vec![false; count] };
+    let mut torn = Vec::new();
     for bundle in bundles(edges) {
-        if let [a, b] = bundle {
-            shells.join(a.face, b.face, a.from == b.from);
+        if let [a, b] = bundle
+            && !shells.join(a.face, b.face, a.from == b.from)
+        {
+            torn.push(a.face);
         }
     }
     let mut sums = vec![[0.0_f64; 2]; count];
     let mut fixed = vec![[0_u32; 2]; count];
     let placed: Vec<(u32, bool)> = (0..count as u32).map(|face| shells.root(face)).collect();
+    let mut is_twisted = vec![false; count];
+    torn.iter().for_each(|&face| is_twisted[placed[face as usize].0 as usize] = true);
+    let twisted: Vec<bool> = placed.iter().map(|&(root, _)| is_twisted[root as usize]).collect();
     for (&(root, turned), &weight) in placed.iter().zip(weights) {
         match weight.is_finite() {
             true => sums[root as usize][usize::from(turned)] += weight,
@@ -67,7 +78,7 @@ pub(in crate::scene) fn orient(edges: &[HalfEdge], weights: &[f64]) -> Orientati
     let turn = placed.iter().zip(weights).map(|(&(root, turned), weight)| {
         let (sums, fixed) = (sums[root as usize], fixed[root as usize]);
         let kept = if fixed[0] == fixed[1] { sums[1] > sums[0] } else { fixed[1] > fixed[0] };
-        weight.is_finite() && turned != kept
+        weight.is_finite() && turned != kept && !is_twisted[root as usize]
     });
     let turn = turn.collect();
     let mut lowest = vec![u32::MAX; count];
@@ -80,7 +91,7 @@ pub(in crate::scene) fn orient(edges: &[HalfEdge], weights: &[f64]) -> Orientati
             *slot
         })
         .collect();
-    Orientation { turn, shell }
+    Orientation { turn, shell, twisted }
 }
 
 #[cfg(test)]
@@ -113,6 +124,28 @@ mod tests {
         }
         let all = orient(&half_edges(&cube(&[0, 1, 2, 3, 4, 5])), &[1.0; 6]).turn;
         assert_eq!(all, [false; 6], "a room seen from inside is as good as a box");
+    }
+
+    #[test]
+    fn a_moebius_strip_is_left_alone() {
+        let strip = |twist: bool| -> Vec<Vec<u32>> {
+            (0..5_u32)
+                .map(|k| {
+                    let (a, b) = (2 * k, 2 * k + 1);
+                    let (c, d) = if k < 4 {
+                        (2 * k + 2, 2 * k + 3)
+                    } else if twist {
+                        (1, 0)
+                    } else {
+                        (0, 1)
+                    };
+                    vec![a, c, d, b]
+                })
+                .collect()
+        };
+        let found = orient(&half_edges(&strip(true)), &[1.0; 5]);
+        assert_eq!((found.twisted, found.turn), (vec![true; 5], vec![false; 5]));
+        assert_eq!(orient(&half_edges(&strip(false)), &[1.0; 5]).twisted, [false; 5]);
     }
 
     #[test]

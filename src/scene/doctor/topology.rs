@@ -2,7 +2,7 @@
 
 use crate::geometry::{Aabb, Bvh};
 use glam::DVec3;
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 
 /// For each position the first one at the same place to within `tolerance`, metres.
 pub(in crate::scene) fn weld(positions: &[DVec3], tolerance: f64) -> Vec<u32> {
@@ -112,6 +112,24 @@ pub(in crate::scene) fn stops(edges: &[HalfEdge], positions: &[DVec3], tolerance
         found[first..].sort_by(|a: &Stop, b| a.along.total_cmp(&b.along).then(a.corner.cmp(&b.corner)));
     }
     found
+}
+
+/// Those stops at which an edge cut there meets another: the corners that it lacks. At the others a
+/// corner only happens to lie on an edge. `pieces` are the edges [`cut`] at all stops.
+pub(in crate::scene) fn missing<'a>(
+    edges: &'a [HalfEdge],
+    stops: &'a [Stop],
+    pieces: &[HalfEdge],
+) -> impl Iterator<Item = &'a Stop> + use<'a> {
+    let met: HashSet<(u32, u32, u32)> = bundles(pieces)
+        .filter(|bundle| bundle.len() > 1)
+        .flatten()
+        .flat_map(|p| [(p.face, p.side, p.from), (p.face, p.side, p.to)])
+        .collect();
+    stops.iter().filter(move |stop| {
+        let edge = &edges[stop.edge as usize];
+        met.contains(&(edge.face, edge.side, stop.corner))
+    })
 }
 
 /// The edges cut at their stops.
