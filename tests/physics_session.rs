@@ -9,6 +9,7 @@ use lumenwalk::scene::SceneSource;
 use lumenwalk::session::{MaterialEdit, Session, Snapshot, SolveSettings, Stage};
 use std::path::Path;
 use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, channel};
 use std::time::Duration;
 
@@ -91,6 +92,36 @@ fn a_switched_lamp_recomputes_nothing() {
     assert_eq!(before, solution.light(&lighting), "and shows no more once undone");
     let now = watched.session.latest();
     assert_eq!(now.serial, snapshot.serial, "the worker has not stirred");
+}
+
+#[test]
+fn a_panic_in_the_worker_is_told_and_the_session_goes_on() {
+    // The host's own callback panics in the middle of an answer, once: on the worker's thread, like any
+    // error of the solver.
+    let (tell, news) = channel();
+    let armed = Arc::new(AtomicBool::new(false));
+    let trap = Arc::clone(&armed);
+    let session = Session::spawn(move || {
+        assert!(!trap.swap(false, Ordering::SeqCst), "provoked");
+        tell.send(()).unwrap_or(());
+    });
+    let watched = Watched { session: session.expect("a thread"), news };
+    watched.session.set_settings(coarse(300));
+    let before = watched.open_builtin("hemicube");
+    armed.store(true, Ordering::SeqCst);
+    watched.session.set_settings(coarse(350));
+    let failed = watched.until("message", |s| s.stage == Stage::Failed);
+    let message = failed.error.as_deref().expect("it says so");
+    assert!(message.contains("error of its own (provoked)"), "{message}");
+    assert!(failed.scene.is_some() && failed.bases.is_some(), "what is on screen stays");
+    assert!(Arc::ptr_eq(failed.scene.as_ref().unwrap(), before.scene.as_ref().unwrap()));
+    // The next wish, whatever it is, brings the scene back; so does opening another.
+    watched.session.set_settings(coarse(300));
+    let again = watched.until("convergence", |s| s.stage == Stage::Converged && s.serial > failed.serial);
+    assert_eq!(again.error, None);
+    assert_eq!(again.scene.as_ref().unwrap().name, "hemicube");
+    let other = watched.open_builtin("cornell");
+    assert_eq!(other.scene.as_ref().unwrap().name, "cornell");
 }
 
 #[test]

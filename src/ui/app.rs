@@ -4,6 +4,7 @@ use super::auditor::Auditor;
 use super::background::Background;
 use super::camera_control::CameraControl;
 use super::command::EditKey;
+use super::doctor::Doctor;
 use super::exposure::AutoExposure;
 use super::files::{FileNews, Files};
 use super::frame_clock::FrameClock;
@@ -65,6 +66,7 @@ pub struct App {
     pub(super) notice: Option<Notice>,
     pub(super) last_change: String,
     pub(super) auditor: Auditor,
+    pub(super) doctor: Doctor,
     pub(super) files: Files,
     pub(super) path_dialog: Option<PathDialog>,
     pub(super) help_open: bool,
@@ -145,6 +147,7 @@ impl App {
             notice: None,
             last_change: String::new(),
             auditor: Auditor::default(),
+            doctor: Doctor::default(),
             files: Files::new(cc.egui_ctx.clone()),
             path_dialog: None,
             help_open: false,
@@ -242,6 +245,10 @@ impl App {
         let time = ctx.input(|i| i.time);
         self.follow_error(time);
         self.audit(ctx, time);
+        if let Some(prepared) = &self.picture.prepared {
+            let wake = ctx.clone();
+            self.doctor.follow(prepared, move || wake.request_repaint());
+        }
         for news in self.files.news() {
             self.file_news(news, time);
         }
@@ -321,6 +328,10 @@ impl App {
                 let text = format!("Saved {}", path.display());
                 self.notice = Some(Notice { text, is_error: false, since: time });
             }
+            FileNews::Repaired(path, what) => {
+                let text = format!("Saved {}: {what}", path.display());
+                self.notice = Some(Notice { text, is_error: false, since: time });
+            }
             FileNews::SaveFailed(text) => {
                 self.notice = Some(Notice { text, is_error: true, since: time });
             }
@@ -392,6 +403,11 @@ impl App {
             let panel = egui::Panel::bottom("patch table").resizable(true).default_size(196.0);
             panel.size_range(110.0..=420.0).frame(frame).show(ui, |ui| panels::table::show(ui, &model, out));
         }
+        if self.state.doctor_open {
+            let frame = egui::Frame::new().fill(theme::PANEL).inner_margin(egui::Margin::symmetric(8, 5));
+            let panel = egui::Panel::bottom("doctor").resizable(true).default_size(212.0);
+            panel.size_range(120.0..=420.0).frame(frame).show(ui, |ui| panels::doctor::show(ui, &model, out));
+        }
         if self.help_open {
             panels::help::show(ui, out);
         }
@@ -429,6 +445,7 @@ impl App {
             longest_secs: self.clock.longest(),
             last_change: &self.last_change,
             auditor: &self.auditor,
+            doctor: &self.doctor,
             can: [self.history.can_undo(), self.history.can_redo()],
             frame_secs: self.frame_secs,
             memory: self.memory.1,
@@ -474,6 +491,7 @@ impl eframe::App for App {
         self.dropped_files(ui, &mut out);
         self.panels(ui, &mut out);
         self.inspect_fresh = false;
+        self.doctor.hovered = None;
         // Before the picture is drawn: a switched lamp is dark in this very frame.
         self.execute_all(ui.ctx(), &mut out);
         let pointer_up = ui.input(|i| !i.pointer.any_down());

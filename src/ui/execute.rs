@@ -105,6 +105,7 @@ impl App {
                     self.worker.set_settings(settings);
                 }
             }
+            Command::Doctor(ask) => self.ask_doctor(ask),
             Command::Inspect(patch) => {
                 self.look_into(patch);
                 self.inspect_fresh = patch.is_some();
@@ -118,7 +119,10 @@ impl App {
                 }
             }
             Command::ToggleRow => self.toggle_row(ctx.input(|i| i.pointer.latest_pos())),
-            Command::ToggleTable => self.state.table_open = !self.state.table_open,
+            Command::ToggleTable => {
+                self.state.table_open = !self.state.table_open;
+                self.state.doctor_open &= !self.state.table_open;
+            }
             Command::JumpToPatch(patch) => self.jump_to(patch),
             Command::TogglePanels => {
                 let open = self.state.left_open || self.state.right_open;
@@ -463,11 +467,21 @@ impl App {
             (SaveKind::Screenshot, _) | (_, None | Some(SceneSource::Builtin(_))) => pictures_folder(),
             (_, Some(SceneSource::File(path))) => path.parent().map_or_else(pictures_folder, PathBuf::from),
         };
-        free_name(&folder, stem, kind.extension())
+        match kind {
+            SaveKind::RepairedCopy => free_name(&folder, &format!("{stem}-repaired"), kind.extension()),
+            _ => free_name(&folder, stem, kind.extension()),
+        }
     }
 
     /// Saves on a helper thread; the outcome comes as a message.
     pub(super) fn save_to(&mut self, kind: SaveKind, path: PathBuf) {
+        if kind == SaveKind::RepairedCopy {
+            let path = if path.extension().is_none() { path.with_extension(kind.extension()) } else { path };
+            if let Some(scene) = &self.scene_shown {
+                self.files.save_repaired(path, Arc::clone(scene));
+            }
+            return;
+        }
         let (Some(prepared), Some(camera)) = (self.picture.prepared.clone(), self.camera()) else { return };
         let path = if path.extension().is_none() { path.with_extension(kind.extension()) } else { path };
         if kind == SaveKind::Screenshot {

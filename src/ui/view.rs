@@ -5,7 +5,7 @@ use super::camera_control::{Motion, Wish};
 use super::command::Command;
 use super::panels::Commands;
 use super::state::Quantity;
-use super::{input, legend, outline, overlay, picture, theme};
+use super::{input, legend, marks, outline, overlay, picture, theme};
 use crate::render::{Camera, ColourSource, FrameInput, Pick};
 use crate::scene::SceneSource;
 use crate::session::Stage;
@@ -225,6 +225,9 @@ impl App {
         viewport.paint(ui, rect, frame);
         if let (Some(patch), Some(prepared)) = (self.inspected, &self.picture.prepared) {
             outline::show(ui, rect, prepared, &camera, patch);
+        }
+        if let (Some((finding, place)), Some(prepared)) = (self.doctor.shown(), &self.picture.prepared) {
+            marks::show(ui, rect, prepared, &camera, finding, place);
         }
     }
 
