@@ -194,6 +194,72 @@ fn with_reflections_and_shadows_the_error_is_that_against_a_far_finer_solve() {
     }
 }
 
+/// Spearman's rank correlation.
+fn rank_correlation(a: &[f64], b: &[f64]) -> f64 {
+    let ranks = |x: &[f64]| {
+        let mut order: Vec<usize> = (0..x.len()).collect();
+        order.sort_by(|&i, &j| x[i].total_cmp(&x[j]));
+        let mut ranks = vec![0.0; x.len()];
+        order.iter().enumerate().for_each(|(rank, &i)| ranks[i] = rank as f64);
+        ranks
+    };
+    let (a, b) = (ranks(a), ranks(b));
+    let middle = (a.len() - 1) as f64 / 2.0;
+    let of = |x: &[f64], y: &[f64]| x.iter().zip(y).map(|(x, y)| (x - middle) * (y - middle)).sum::<f64>();
+    of(&a, &b) / (of(&a, &a) * of(&b, &b)).sqrt()
+}
+
+#[test]
+fn the_map_points_at_the_places_where_a_finer_solve_differs() {
+    let scene = room_with_blocks(0.6).scene();
+    let fine = solved(&scene, &settings(PatchTarget::Count(3000), Method::Lines, 384));
+    let light = fine.light(&scene.lighting());
+    let case = Case::new(solved(&scene, &settings(PatchTarget::Count(500), Method::Lines, 48)));
+    let how = AuditSettings { receivers: 192, seconds: 1e9, precision: 1e-9, ..AuditSettings::default() };
+    let found = study::audit(&case.solved, &scene.lighting(), &how, &|| false).expect("light");
+    let (map, total) = (&found.map.error, found.budget.total.error);
+    let (witness, mesh) = (case.witness(), &case.solved.mesh);
+
+    // The map as a whole holds the total.
+    let receivers = case.receivers();
+    let area: f64 = receivers.iter().map(|&i| mesh.patches[i as usize].area).sum();
+    let square = |&i: &u32| mesh.patches[i as usize].area * f64::from(map[i as usize]).powi(2);
+    let together = (receivers.iter().map(square).sum::<f64>() / area).sqrt();
+    assert!((together / total - 1.0).abs() < 1e-3, "{together} against {total}");
+    assert!(map.iter().enumerate().all(|(i, e)| e.is_nan() != receivers.contains(&(i as u32))));
+
+    const POINTS: u32 = 12;
+    let truth: Vec<f64> = receivers
+        .iter()
+        .map(|&i| {
+            let points = (0..POINTS).map(|k| Sobol::new(u64::from(i) + 7).point(k));
+            let (places, values): (Vec<_>, Vec<f64>) = points
+                .map(|u| witness.point_on(i, u[0], u[1]))
+                .map(|(p, shown)| ((p, mesh.patches[i as usize].normal), shown))
+                .unzip();
+            let exact = fine.irradiance_at(&places, &light);
+            let squares = exact.iter().zip(&values).map(|(&h, v)| (luminance_weighted(h) - v).powi(2));
+            (squares.sum::<f64>() / f64::from(POINTS)).sqrt()
+        })
+        .collect();
+    let told: Vec<f64> = receivers.iter().map(|&i| f64::from(map[i as usize])).collect();
+    let correlation = rank_correlation(&told, &truth);
+    let irradiance: Vec<f64> = receivers
+        .iter()
+        .map(|&i| luminance(case.solved.light(&scene.lighting()).irradiance[i as usize]))
+        .collect();
+    let by_light = rank_correlation(&irradiance, &truth);
+    // The worst tenth of the map holds how much of the true square?
+    let mut order: Vec<usize> = (0..told.len()).collect();
+    order.sort_by(|&a, &b| told[b].total_cmp(&told[a]));
+    let held = |k: usize| mesh.patches[receivers[k] as usize].area * truth[k].powi(2);
+    let tenth: f64 = order.iter().take(told.len() / 10).map(|&k| held(k)).sum();
+    let all: f64 = order.iter().map(|&k| held(k)).sum();
+    println!("rank correlation {correlation:.3}, of irradiance alone {by_light:.3}; worst tenth {:.3}", tenth / all);
+    assert!(correlation > 0.6, "{correlation}");
+    assert!(tenth > 0.4 * all, "{}", tenth / all);
+}
+
 #[test]
 fn more_lines_and_more_patches_each_lessen_their_own_error() {
     let budget = |patches: usize, lines: u32| {
