@@ -28,8 +28,10 @@ const REACH: f64 = 2.0;
 /// Rounds of fitting with weights from the round before, and steps of each.
 const ROUNDS: usize = 6;
 const STEPS: usize = 200;
-/// Factor by which receivers nearby may change the fit's squares at most.
-const MOST_CHANGE: f64 = 100.0;
+/// Factors of the fit's squares that one receiver may tell of, and that all nearby may bring it down to:
+/// a square is a product of noisy deviations, and may be negative.
+const RATIOS: [f64; 2] = [-1.0, 50.0];
+const LEAST_RATIO: f64 = 0.1;
 
 /// The map; `total` is the error that its mean square over the patches that count is to match.
 pub(super) fn map(
@@ -56,11 +58,11 @@ pub(super) fn map(
             let far2 = patches[other].centre.distance_squared(patch.centre) / reach2.max(f64::MIN_POSITIVE);
             if far2 < 9.0 {
                 let weight = (-far2).exp();
-                ratio += weight * (r.square / fitted(other)).clamp(-MOST_CHANGE, MOST_CHANGE);
+                ratio += weight * (r.square / fitted(other)).clamp(RATIOS[0], RATIOS[1]);
                 trust += weight;
             }
         }
-        fitted(i) * (ratio / trust).max(0.02)
+        fitted(i) * (ratio / trust).max(LEAST_RATIO)
     };
     let squares: Vec<f64> =
         (0..patches.len()).map(|i| if counts[i] { square(i) } else { f64::NAN }).collect();

@@ -81,6 +81,8 @@ const MOST_SOLVES: usize = 6;
 const AIM: f64 = 0.85;
 /// Of the seconds left a solve may be foreseen to take this part.
 const TIME_AIM: f64 = 0.7;
+/// Noise that the shares of area may have of rays in these audits, which a user waits for.
+const QUICK_NOISE: f64 = 0.02;
 /// Patches never exceed this.
 const MOST_PATCHES: f64 = 400_000.0;
 
@@ -166,6 +168,7 @@ pub fn reach(
             Goal::Error(error) => AuditSettings {
                 precision: 0.1,
                 resolve: 0.2 * error,
+                local_noise: QUICK_NOISE,
                 seconds: (2.0 * seconds).clamp(3.0, 60.0),
                 decide: Some(error),
                 ..AuditSettings::default()
@@ -173,6 +176,7 @@ pub fn reach(
             Goal::Seconds(_) => AuditSettings {
                 precision: 0.15,
                 resolve: 2e-3,
+                local_noise: QUICK_NOISE,
                 seconds: (0.3 * seconds).max(0.15).min(0.4 * left()),
                 ..AuditSettings::default()
             },

@@ -86,6 +86,7 @@ pub fn measure(
         precision: 0.08,
         parts: true,
         resolve: 4e-4,
+        local_noise: 0.02,
         seconds: (2.0 * seconds).clamp(4.0, 40.0),
         ..AuditSettings::default()
     };

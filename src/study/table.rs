@@ -1,7 +1,7 @@
 //! The table of a sweep: written after every row, read again to go on from it.
 
 use super::sweep::Entry;
-use crate::accuracy::{ErrorBudget, Estimate};
+use crate::accuracy::{ErrorBudget, Estimate, Ranged};
 use crate::export::{ExportError, atomic};
 use crate::form_factors::Method;
 use std::collections::HashMap;
@@ -40,7 +40,7 @@ impl Default for Entry {
 const HEADER: &str = "scene,hash,threads,method,resolution,patches_wanted,patches,seconds_mesh,seconds_rows,\
     seconds_balance,seconds_sweeps,seconds_total,peak_memory_bytes,form_factors,form_factors_low,\
     form_factors_high,patch_error,patch_error_low,patch_error_high,solver,solver_low,solver_high,solver_bound,\
-    total,total_low,total_high,averages,averages_low,averages_high,local,local_low,local_high,mean_irradiance,receivers,rays,audit_seconds";
+    total,total_low,total_high,averages,averages_low,averages_high,local,local_low,local_high,median,within_1,within_5,within_10,mean_irradiance,receivers,rays,audit_seconds";
 
 /// Writes all rows; errors are shares of the mean irradiance.
 ///
@@ -74,6 +74,10 @@ pub fn write(path: &Path, rows: &[Row]) -> Result<(), ExportError> {
             write!(file, ",{:.4e}", b.solver.bound)?;
             for e in [b.total, b.averages, b.local] {
                 write!(file, ",{:.4e},{:.4e},{:.4e}", e.error, e.low, e.high)?;
+            }
+            write!(file, ",{:.4e}", b.spread.median.value)?;
+            for within in b.spread.within {
+                write!(file, ",{:.4}", within.value)?;
             }
             writeln!(file, ",{:.6e},{},{},{:.3}", b.mean_irradiance, b.receivers, b.rays, b.seconds)?;
         }
@@ -115,6 +119,11 @@ fn parse_row(names: &[&str], line: &str) -> Option<Row> {
     };
     budget.solver.estimate = estimate("solver")?;
     budget.solver.bound = number("solver_bound")?;
+    // So is one of before these were; their intervals are not written.
+    let [median, within @ ..] = ["median", "within_1", "within_5", "within_10"].map(|name| {
+        number(name).map_or_else(Ranged::default, |value| Ranged { value, low: value, high: value })
+    });
+    (budget.spread.median, budget.spread.within) = (median, within);
     Some(Row {
         scene: text("scene")?.to_owned(),
         hash: u64::from_str_radix(text("hash")?, 16).ok()?,

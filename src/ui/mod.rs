@@ -25,6 +25,7 @@ mod panels;
 mod path_dialog;
 mod picture;
 mod reclaim;
+mod runs;
 mod state;
 mod theme;
 mod touring;

@@ -2,6 +2,7 @@
 
 pub(super) mod accuracy;
 pub(super) mod display;
+mod error_chart;
 pub(super) mod help;
 mod hemicube;
 pub(super) mod inspect;
