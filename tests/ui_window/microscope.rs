@@ -245,7 +245,7 @@ fn the_map_of_the_error_comes_with_the_check_and_goes_with_the_light() {
         assert!(!receives || (*value > 0.0 && value.is_finite()));
     }
     // Another light is another error: nothing is shown until it is known.
-    press(&mut harness, Key::Num1, Modifiers::NONE);
+    press(&mut harness, Key::Num1);
     assert!(harness.state().shown_values().is_empty());
     wait_until(&mut harness, "the next check", |h| !h.state().shown_values().is_empty());
     assert_ne!(harness.state().shown_values(), values);
