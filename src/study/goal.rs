@@ -2,6 +2,7 @@
 
 use super::audited::audit;
 use super::cost::{CostModel, Fineness, Limits, Measured};
+use super::trial::{row_overhead, trial};
 use crate::accuracy::{AuditSettings, ErrorBudget};
 use crate::effects::EffectChoices;
 use crate::form_factors::{AssembleReport, FormFactors, Method};
@@ -190,7 +191,9 @@ pub fn reach(
             predicted_error: foreseen_error,
             budget,
         });
-        model.learn(Measured::of(&solved, lines, budget.as_ref()));
+        let known = model.measured().last().map(|m| m.overhead);
+        let overhead = known.unwrap_or_else(|| row_overhead(&solved, lines));
+        model.learn(Measured::of(&solved, lines, overhead, budget.as_ref()));
         if attempts.len() == 1 && solved.mesh.patches.len() as f64 > 1.5 * next.patches {
             limits.fewest = solved.mesh.patches.len() as f64;
         }
@@ -357,9 +360,10 @@ fn solve_until(
 ) -> Result<Outcome, PipelineError> {
     let prepared = prepare(scene, settings)?;
     let left = |d: Instant| d.saturating_duration_since(Instant::now()).as_secs_f64();
+    let meshed = prepared.timings.mesh + prepared.timings.plan;
     if let Some(deadline) = deadline
         && has_another
-        && model.probe(&prepared).is_some_and(|seconds| seconds > 0.95 * left(deadline))
+        && model.seconds_of(&prepared, &trial(&prepared)).is_some_and(|s| s - meshed > 0.95 * left(deadline))
     {
         return Ok(Outcome::TooLong);
     }

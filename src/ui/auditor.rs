@@ -33,10 +33,17 @@ pub(super) enum Ask {
     Reach,
 }
 
+/// What the background has found out about a solve.
+struct Checked {
+    findings: Findings,
+    /// What a row costs besides its lines, as lines, where rows are computed by lines.
+    overhead: Option<f64>,
+}
+
 /// A running audit; it ends when this is dropped.
 struct Job {
     cancel: Arc<AtomicBool>,
-    answer: Receiver<Option<Findings>>,
+    answer: Receiver<Option<Checked>>,
 }
 
 impl Drop for Job {
@@ -179,7 +186,7 @@ impl Auditor {
         }
         self.seen = Some((bases, lighting.clone()));
         if let Some(solved) = snapshot.solved() {
-            self.start(solved, lighting.clone(), wake);
+            self.start(solved, &snapshot.settings, lighting.clone(), wake);
         }
         (None, None)
     }
@@ -198,7 +205,14 @@ impl Auditor {
         }
     }
 
-    fn start(&mut self, solved: Solved, lighting: Lighting, wake: impl FnOnce() + Send + 'static) {
+    fn start(
+        &mut self,
+        solved: Solved,
+        settings: &SolveSettings,
+        lighting: Lighting,
+        wake: impl FnOnce() + Send + 'static,
+    ) {
+        let lines = lines_of(settings).filter(|_| self.model.measured().is_empty());
         let cancel = Arc::new(AtomicBool::new(false));
         let (sender, answer) = channel();
         let stop = cancel.clone();
@@ -208,7 +222,8 @@ impl Auditor {
                 AuditSettings { seconds: AUDIT_SECS, resolve, parallel: false, ..AuditSettings::default() };
             let found = study::audit(&solved, &lighting, &settings, &|| stop.load(Ordering::Relaxed));
             // Nobody listens any more when the light has changed.
-            sender.send(found).ok();
+            let overhead = lines.map(|lines| study::row_overhead(&solved, lines));
+            sender.send(found.map(|findings| Checked { findings, overhead })).ok();
             wake();
         };
         if std::thread::Builder::new().name("audit".to_owned()).spawn(audit).is_ok() {
@@ -224,15 +239,16 @@ impl Auditor {
         };
         self.job = None;
         self.is_dark = answer.is_none();
-        self.findings = answer.map(Arc::new);
+        let (findings, overhead) = answer.map(|a| (a.findings, a.overhead)).unzip();
+        self.findings = findings.map(Arc::new);
         self.budget = self.findings.as_ref().map(|found| found.budget);
         let budget = self.budget?;
         self.runs.checked(budget);
         let solved = snapshot.solved()?;
         let settings = &snapshot.settings;
-        if settings.method == Method::Lines {
-            let lines = settings.resolution.unwrap_or_else(|| settings.method.default_resolution());
-            self.model.learn(Measured::of(&solved, lines, Some(&budget)));
+        let known = self.model.measured().last().map(|m| m.overhead);
+        if let (Some(lines), Some(overhead)) = (lines_of(settings), overhead.flatten().or(known)) {
+            self.model.learn(Measured::of(&solved, lines, overhead, Some(&budget)));
             self.draw_curve();
         }
         self.step(&budget, settings)
@@ -315,11 +331,11 @@ impl Auditor {
     pub(super) fn rest_foreseen(&self, snapshot: &Snapshot) -> f64 {
         let same = |f: &&Finished| f.is_here && f.settings == snapshot.settings;
         let audited = self.runs.finished.iter().rev().filter(same).find_map(|f| f.budget);
-        let settings = &snapshot.settings;
-        let fineness = snapshot.mesh.as_ref().filter(|_| settings.method == Method::Lines).map(|mesh| {
-            let lines = settings.resolution.unwrap_or_else(|| settings.method.default_resolution());
-            Fineness { patches: mesh.patches.len() as f64, lines: f64::from(lines) }
-        });
+        let fineness = snapshot
+            .mesh
+            .as_ref()
+            .zip(lines_of(&snapshot.settings))
+            .map(|(mesh, lines)| Fineness { patches: mesh.patches.len() as f64, lines: f64::from(lines) });
         let known = audited.map(|budget| budget.total.error);
         known.or_else(|| self.model.error(fineness?)).unwrap_or(0.0)
     }
@@ -355,6 +371,12 @@ impl Auditor {
     }
 }
 
+/// Half-planes a row, where rows are computed by lines.
+fn lines_of(settings: &SolveSettings) -> Option<u32> {
+    let lines = || settings.resolution.unwrap_or_else(|| settings.method.default_resolution());
+    (settings.method == Method::Lines).then(lines)
+}
+
 fn settings_of(fineness: Fineness, now: &SolveSettings) -> SolveSettings {
     SolveSettings {
         patches: PatchTarget::Count(fineness.patches as usize),
@@ -386,6 +408,8 @@ mod tests {
             fineness: Fineness { patches: 1000.0, lines: 96.0 },
             timings: Timings { rows: 0.3, sweeps: 0.1, ..Timings::default() },
             entries: 3e5,
+            columns: 3.0,
+            overhead: 24.0,
             form_factors,
             mesh,
             total: form_factors.hypot(mesh),
