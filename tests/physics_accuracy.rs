@@ -408,3 +408,61 @@ fn times_are_foreseen_within_a_factor_of_1_3() {
     println!("within a factor 1.3: {before_it} of {all}, once meshed {meshed}");
     assert!(10 * before_it >= 9 * all, "{before_it} of {all}");
 }
+
+#[test]
+#[ignore = "measures for minutes; run it by name with --nocapture"]
+fn an_error_of_one_percent_is_true_and_costs_at_most_twice_the_cheapest() {
+    for name in ["hemicube", "cornell"] {
+        let scene = builtin(name);
+        let lighting = scene.lighting();
+        let started = std::time::Instant::now();
+        let goal = study::Goal::Error(0.01);
+        let observer = &mut |_: study::News<'_>| lumenwalk::session::Control::Continue;
+        let effects = lumenwalk::effects::EffectChoices::default();
+        let reached =
+            study::reach(&scene, &lighting, goal, &effects, started, 8.0, observer).expect("solved");
+        let budget = reached.budget.expect("light");
+        let solves: f64 = reached.attempts.iter().map(|a| a.seconds).sum();
+        for a in &reached.attempts {
+            let told = a.budget.map_or(f64::NAN, |b| 100.0 * b.total.error);
+            let foreseen = 100.0 * a.predicted_error.unwrap_or(f64::NAN);
+            let (patches, lines, seconds) = (a.patches, a.lines, a.seconds);
+            println!(
+                "  {patches} patches, {lines} lines: {seconds:.2} s, {told:.2} % ({foreseen:.2} % foreseen)"
+            );
+        }
+
+        let fine = solved(&scene, &settings(PatchTarget::Count(14_000), Method::Lines, 384));
+        let light = fine.light(&lighting);
+        let truth = |places: &[(DVec3, DVec3)]| {
+            fine.irradiance_at(places, &light).into_iter().map(luminance_weighted).collect()
+        };
+        let case = Case::new(reached.solved);
+        let error = case.true_error(2, budget.mean_irradiance, &truth);
+        println!(
+            "{name}: true {:.3} %, told {:.3} %; {solves:.1} s of solves, {:.1} s in all",
+            100.0 * error,
+            100.0 * budget.total.error,
+            reached.seconds
+        );
+        assert!(reached.met && error < 0.01, "{error}");
+
+        let cheapest = study::entries(2300)
+            .into_iter()
+            .filter(|e| e.method == Method::Lines && (64..=128).contains(&e.resolution) && e.patches > 6000)
+            .filter_map(|entry| {
+                let mut go_on =
+                    |_: Option<&lumenwalk::session::Progress<'_>>| lumenwalk::session::Control::Continue;
+                let row = study::measure(&scene, &lighting, entry, &mut go_on).expect("solved");
+                let told = 100.0 * row.budget.total.error;
+                println!(
+                    "  entry {} x {}: {:.1} s, {told:.2} %",
+                    row.patches, entry.resolution, row.total_seconds
+                );
+                (row.budget.total.error <= 0.01).then_some(row.total_seconds)
+            })
+            .fold(f64::INFINITY, f64::min);
+        println!("{name}: {solves:.1} s of solves against {cheapest:.1} s of the cheapest entry");
+        assert!(solves < 2.0 * cheapest, "{solves} against {cheapest}");
+    }
+}

@@ -69,6 +69,10 @@ const PARTS: f64 = 1200.0;
 const BY_LINES: f64 = 1.1;
 const FORM_FACTORS_BY_PATCHES: f64 = 0.35;
 const MESH_BY_PATCHES: f64 = 0.6;
+/// The power is fitted to solves whose patches differ by this factor.
+const APART: f64 = 2.5;
+/// More patches than this times those measured are far: on the way there lies a step, apart enough.
+const FAR: f64 = 7.0;
 
 impl Measured {
     /// Of a finished solve by lines, with the `overhead` of its rows and its budget; errors unknown
@@ -170,18 +174,33 @@ impl CostModel {
         Some(form_factors.hypot(mesh) * factor.clamp(0.5, 1.5))
     }
 
-    /// Fitted to the two audited solves that differ most in patches, within what is plausible.
+    /// The next solve on the way to `wanted`: itself, or one in between that tells how the error falls
+    /// with patches, where that is only assumed and `wanted` is far. As cost grows with the square of the
+    /// patches, the step in between costs little, and going past the mark much.
+    pub fn towards(&self, wanted: Fineness) -> Fineness {
+        let Some(base) = self.measured.last() else { return wanted };
+        if self.knows_its_power() || wanted.patches < FAR * base.fineness.patches {
+            return wanted;
+        }
+        Fineness { patches: (base.fineness.patches * wanted.patches).sqrt(), ..wanted }
+    }
+
+    /// Whether solves tell how the error falls with patches; else it is assumed.
+    pub fn knows_its_power(&self) -> bool {
+        self.fitted_power().is_some()
+    }
+
     fn mesh_power(&self) -> f64 {
+        self.fitted_power().unwrap_or(MESH_BY_PATCHES)
+    }
+
+    /// Fitted to the two audited solves that differ most in patches, within what is plausible.
+    fn fitted_power(&self) -> Option<f64> {
         let audited = || self.measured.iter().filter(|m| m.is_audited() && m.mesh > 0.0);
         let order = |a: &&Measured, b: &&Measured| a.fineness.patches.total_cmp(&b.fineness.patches);
-        let (Some(coarse), Some(fine)) = (audited().min_by(order), audited().max_by(order)) else {
-            return MESH_BY_PATCHES;
-        };
+        let (coarse, fine) = (audited().min_by(order)?, audited().max_by(order)?);
         let ratio = fine.fineness.patches / coarse.fineness.patches;
-        if ratio < 2.5 {
-            return MESH_BY_PATCHES;
-        }
-        ((coarse.mesh / fine.mesh).ln() / ratio.ln()).clamp(0.45, 1.0)
+        (ratio >= APART).then(|| ((coarse.mesh / fine.mesh).ln() / ratio.ln()).clamp(0.45, 1.0))
     }
 
     /// The cheapest fineness whose error stays below `error`, within `gigabytes` and above the patches
@@ -290,6 +309,13 @@ mod tests {
         model.learn(measured(4000.0, 64.0, [0.001, 0.02]));
         // Mesh error as 1 / n: a quarter of the error at four times the patches.
         let at = model.error(Fineness { patches: 16_000.0, lines: 64.0 }).unwrap();
+        let far = Fineness { patches: 64_000.0, lines: 64.0 };
+        assert_eq!(model.towards(far), far, "the power is known");
+        let mut unsure = CostModel::default();
+        unsure.learn(measured(1000.0, 64.0, [0.001, 0.08]));
+        assert_eq!(unsure.towards(far).patches, 8000.0);
+        let near = Fineness { patches: 5000.0, ..far };
+        assert_eq!(unsure.towards(near), near);
         assert!((at / 0.005 - 1.0).abs() < 0.05, "{at}");
     }
 }

@@ -78,8 +78,9 @@ pub enum News<'a> {
 const FIRST: (usize, u32) = (800, 48);
 /// Solves at most on the way to an error.
 const MOST_SOLVES: usize = 6;
-/// Aims at this part of the error asked for, since predictions err.
-const AIM: f64 = 0.85;
+/// Aims at this part of the error asked for, since predictions err: while it is only assumed how the
+/// error falls, and once it is known.
+const AIM: [f64; 2] = [0.85, 0.93];
 /// Of the seconds left a solve may be foreseen to take this part.
 const TIME_AIM: f64 = 0.7;
 /// Noise that the shares of area may have of rays in these audits, which a user waits for.
@@ -213,9 +214,10 @@ pub fn reach(
                     break;
                 }
                 // After a miss the aim is closer: what was foreseen proved too bright a view.
-                let shortfall = foreseen_error.map_or(1.0, |f| (f / budget.total.error).clamp(0.85, 1.0));
-                match model.cheapest(AIM * error * shortfall, limits) {
-                    Some(fineness) if finer(fineness, next) => next = fineness,
+                let shortfall = foreseen_error.map_or(1.0, |f| (f / budget.total.error).clamp(0.9, 1.0));
+                let aim = AIM[usize::from(model.knows_its_power())];
+                match model.cheapest(aim * error * shortfall, limits) {
+                    Some(fineness) if finer(fineness, next) => next = model.towards(fineness),
                     _ => {
                         obstacle = Some(too_fine(&model, limits));
                         break;

@@ -267,7 +267,9 @@ impl Auditor {
             return None;
         }
         let wanted = match self.goal {
-            Goal::Error(error) => self.model.cheapest(0.85 * error, self.limits),
+            Goal::Error(error) => {
+                self.model.cheapest(0.85 * error, self.limits).map(|f| self.model.towards(f))
+            }
             Goal::Seconds(seconds) => self.model.best_within(0.8 * seconds, self.limits),
         };
         let Some(fineness) = wanted.filter(|_| steps < MOST_STEPS) else {

@@ -6,7 +6,10 @@ use crate::ui::command::Command;
 use crate::ui::runs::{Finished, nearest};
 use crate::ui::{theme, units};
 use egui::{Color32, RichText, vec2};
-use egui_plot::{HoverPosition, Line, LineStyle, MarkerShape, Plot, PlotPoint, PlotPoints, Points, Text};
+use egui_plot::{
+    GridMark, HoverPosition, Line, LineStyle, MarkerShape, Plot, PlotPoint, PlotPoints, Points, Text,
+};
+use std::ops::RangeInclusive;
 
 /// Solves of other scenes.
 const ELSEWHERE: Color32 = Color32::from_gray(96);
@@ -41,15 +44,8 @@ pub(super) fn show(ui: &mut egui::Ui, model: &Model<'_>, out: &mut Commands) {
         return;
     }
     let foreseen = logarithms(&auditor.curve);
+    ui.add_space(4.0);
     let current = runs.last().and_then(place);
-    let decade = |value: f64, unit: &str| {
-        let exponent = value.round();
-        if (value - exponent).abs() < 1e-6 {
-            format!("{:.*} {unit}", (-exponent).max(0.0) as usize, 10.0_f64.powf(exponent))
-        } else {
-            String::new()
-        }
-    };
     let response = Plot::new("error against seconds")
         .height(132.0)
         .allow_drag(false)
@@ -58,8 +54,10 @@ pub(super) fn show(ui: &mut egui::Ui, model: &Model<'_>, out: &mut Commands) {
         .allow_boxed_zoom(false)
         .allow_double_click_reset(false)
         .set_margin_fraction(vec2(0.08, 0.12))
-        .x_axis_formatter(move |mark, _| decade(mark.value, "s"))
-        .y_axis_formatter(move |mark, _| decade(mark.value, "%"))
+        .x_grid_spacer(|axis| marks(axis.bounds))
+        .y_grid_spacer(|axis| marks(axis.bounds))
+        .x_axis_formatter(|mark, shown| label(&mark, shown, "s"))
+        .y_axis_formatter(|mark, shown| label(&mark, shown, "%"))
         .label_formatter(|hover| match hover {
             HoverPosition::NearDataPoint { position, .. } => {
                 let found = nearest(runs, [position.x, position.y])?;
@@ -127,6 +125,35 @@ pub(super) fn show(ui: &mut egui::Ui, model: &Model<'_>, out: &mut Commands) {
     }
 }
 
+/// Marks at 1, 2 and 5 of each decade of the part of a logarithmic axis that is shown.
+fn marks((low, high): (f64, f64)) -> Vec<GridMark> {
+    if !(low.is_finite() && high.is_finite() && high - low < 40.0) {
+        return Vec::new();
+    }
+    let decades = low.floor() as i32..=high.ceil() as i32;
+    decades
+        .flat_map(|decade| {
+            [(1.0_f64, 1.0), (2.0, 0.3), (5.0, 0.3)].map(|(multiple, step_size)| GridMark {
+                value: f64::from(decade) + multiple.log10(),
+                step_size,
+            })
+        })
+        .filter(|mark| (low..=high).contains(&mark.value))
+        .collect()
+}
+
+/// The number at a mark; between decades only where there is room.
+fn label(mark: &GridMark, shown: &RangeInclusive<f64>, unit: &str) -> String {
+    let decades = shown.end() - shown.start();
+    if mark.step_size < 1.0 && decades > 1.2 {
+        return String::new();
+    }
+    let value = 10.0_f64.powf(mark.value);
+    // 1, 2 or 5 of a decade: one digit.
+    let digits = (-(mark.value + 1e-9).floor()).max(0.0) as usize;
+    format!("{value:.digits$} {unit}")
+}
+
 /// A solve in one line.
 fn describe(found: &Finished) -> String {
     let settings = &found.settings;
@@ -139,4 +166,24 @@ fn describe(found: &Finished) -> String {
         settings.method.name(),
         units::duration(found.seconds)
     )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn marks_are_labelled_where_there_is_room() {
+        let told = |low: f64, high: f64| -> Vec<String> {
+            marks((low, high))
+                .into_iter()
+                .map(|m| label(&m, &(low..=high), "s"))
+                .filter(|text| !text.is_empty())
+                .collect()
+        };
+        assert_eq!(told(0.2, 1.1), ["2 s", "5 s", "10 s"]);
+        assert_eq!(told(-2.0, 1.0), ["0.01 s", "0.1 s", "1 s", "10 s"]);
+        assert_eq!(told(-0.75, 0.0), ["0.2 s", "0.5 s", "1 s"]);
+        assert!(marks((f64::NEG_INFINITY, 0.0)).is_empty() && marks((0.0, f64::NAN)).is_empty());
+    }
 }
