@@ -6,10 +6,11 @@ use common::{
     Assembled, METHODS, Model, assembled, builtin, ceiling_with_lamp, close, room_with_blocks, rows, settings,
 };
 use glam::{DVec3, dvec3};
-use lumenwalk::form_factors::{Method, closed_form};
+use lumenwalk::form_factors::{Method, ReceivingPoints, closed_form};
 use lumenwalk::mesh::PatchTarget;
 use lumenwalk::scene::{Scene, Sides};
 use lumenwalk::session::{Prepared, SolveSettings, prepare};
+use rayon::prelude::*;
 use std::sync::Arc;
 
 /// Two polygons named a and b that face each other, one patch each.
@@ -441,4 +442,54 @@ fn lines_win_over_the_hemicube_at_the_same_work() {
     assert!(lines < 0.1 * hemicube[0], "{lines} against {}", hemicube[0]);
     assert!(lines < hemicube[1], "{lines} against {}", hemicube[1]);
     assert!(hemicube[1] < hemicube[0], "{hemicube:?}");
+}
+
+#[test]
+fn more_receiving_points_see_more_of_a_shadow() {
+    use ReceivingPoints::{Auto, Four, One, Sixteen};
+    // Large patches on a floor with shadows, whose edges cross many of them.
+    let scene = room_with_blocks(0.5).scene();
+    let lamp_light = |method, resolution, points| -> Vec<[f64; 2]> {
+        let how = SolveSettings { points, ..settings(PatchTarget::Size(0.4), method, resolution) };
+        let prepared = prepare(scene.clone(), &how).unwrap();
+        let (mesh, computer) = (&prepared.mesh, &prepared.computer);
+        let floor = |i: &u32| {
+            let patch = &mesh.patches[*i as usize];
+            patch.normal.y > 0.9 && patch.centre.y < 1e-6 && !patch.buried
+        };
+        let floor: Vec<u32> = (0..mesh.patches.len() as u32).filter(floor).collect();
+        floor
+            .into_par_iter()
+            .map_init(
+                || computer.scratch(),
+                |scratch, i| {
+                    let row = computer.row(i, scratch);
+                    let lamps = row.patches.iter().zip(&row.values);
+                    let lamps = lamps.filter(|(j, _)| mesh.patches[**j as usize].luminaire.is_some());
+                    [mesh.patches[i as usize].area, lamps.map(|(_, &f)| f64::from(f)).sum()]
+                },
+            )
+            .collect()
+    };
+    let reference = lamp_light(Method::Rays, 1 << 17, Sixteen);
+    let mean = |of: &dyn Fn(usize, &[f64; 2]) -> f64| {
+        let area: f64 = reference.iter().map(|r| r[0]).sum();
+        reference.iter().enumerate().map(|(k, r)| r[0] * of(k, r)).sum::<f64>() / area
+    };
+    let whole = mean(&|_, r| r[1]);
+    let error = |method, resolution, points| {
+        let found = lamp_light(method, resolution, points);
+        mean(&|k, r| (found[k][1] - r[1]).powi(2)).sqrt() / whole
+    };
+    let lines = |points| error(Method::Lines, 192, points);
+    let (one, auto, four, sixteen) = (lines(One), lines(Auto), lines(Four), lines(Sixteen));
+    let fine = error(Method::Lines, 384, Auto);
+    let aligned = [One, Sixteen].map(|points| error(Method::AlignedHemicube, 128, points));
+    println!("{one:.4} {auto:.4} {four:.4} {sixteen:.4}, fine {fine:.4}, hemicube {aligned:.4?}");
+    assert!(sixteen < 0.01, "an independent method agrees: {sixteen}");
+    assert!(one > 0.03, "a centre alone takes a patch as lit or dark: {one}");
+    assert!(four < 0.5 * one && sixteen < 0.5 * four, "{one} {four} {sixteen}");
+    assert!(auto < 1.1 * four, "it finds the shadows by itself: {auto} against {four}");
+    assert!(fine < 0.5 * four, "and takes more points where the lines are finer: {fine}");
+    assert!(aligned[1] < 0.5 * aligned[0], "whatever the method: {aligned:?}");
 }

@@ -1,6 +1,6 @@
 use super::failure::Failure;
 use crate::effects::{Effect, EffectChoices};
-use crate::form_factors::Method;
+use crate::form_factors::{Method, ReceivingPoints};
 use crate::mesh::PatchTarget;
 use crate::scene::LengthUnit;
 use crate::session::SolveSettings;
@@ -70,6 +70,9 @@ pub(super) struct SolveOptions {
     /// Lines, cells along an edge of the hemicube, or rays a patch [default: by method]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(4..=1_048_576))]
     pub(super) resolution: Option<u32>,
+    /// At how many points of a patch its row is gathered: auto, 1 (its centre), 4 or 16 [default: auto]
+    #[arg(long, value_name = "N", value_parser = receiving_points())]
+    pub(super) receiving_points: Option<ReceivingPoints>,
     /// Relative error bound at which the solve stops [default: 0.0001]
     #[arg(long, value_name = "T", value_parser = tolerance)]
     pub(super) tolerance: Option<f64>,
@@ -95,6 +98,7 @@ impl SolveOptions {
             patches: self.patches.target(unit),
             method,
             resolution: self.resolution,
+            points: self.receiving_points.unwrap_or(defaults.points),
             tolerance: self.tolerance.unwrap_or(defaults.tolerance),
             effects: self.effects.choices()?,
         })
@@ -116,9 +120,13 @@ pub(super) fn set_threads(threads: Option<u16>) -> Result<(), Failure> {
 }
 
 fn methods() -> impl TypedValueParser<Value = Method> {
-    const ALL: [Method; 3] = [Method::Lines, Method::Hemicube, Method::Rays];
-    PossibleValuesParser::new(ALL.map(Method::name))
-        .map(|name| ALL.into_iter().find(|method| method.name() == name).unwrap_or_default())
+    PossibleValuesParser::new(Method::ALL.map(Method::name))
+        .map(|name| Method::ALL.into_iter().find(|method| method.name() == name).unwrap_or_default())
+}
+
+fn receiving_points() -> impl TypedValueParser<Value = ReceivingPoints> {
+    PossibleValuesParser::new(ReceivingPoints::ALL.map(ReceivingPoints::name))
+        .map(|name| ReceivingPoints::ALL.into_iter().find(|points| points.name() == name).unwrap_or_default())
 }
 
 fn effects() -> impl TypedValueParser<Value = Effect> {

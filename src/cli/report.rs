@@ -43,6 +43,7 @@ pub(super) fn report(
             },
             method: settings.method.name(),
             resolution: settings.resolution.unwrap_or_else(|| settings.method.default_resolution()),
+            receiving_points: settings.points.name(),
             tolerance: settings.tolerance,
             threads: rayon::current_num_threads(),
         },

@@ -93,7 +93,8 @@ pub(super) struct Arguments {
 }
 
 /// What a goal chooses by itself.
-const BY_GOAL: [&str; 6] = ["patch_size", "patches", "patches_as_given", "method", "resolution", "tolerance"];
+const BY_GOAL: [&str; 7] =
+    ["patch_size", "patches", "patches_as_given", "method", "resolution", "receiving_points", "tolerance"];
 
 impl Arguments {
     fn goal(&self) -> Option<Goal> {

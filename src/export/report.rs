@@ -103,10 +103,12 @@ pub struct FindingReport {
 pub struct SettingsReport {
     /// In words: "auto", "0.1 m", "2000 patches".
     pub patches: String,
-    /// lines, hemicube or rays.
+    /// lines, hemicube, hemicube-aligned or rays.
     pub method: &'static str,
     /// Half-planes, cells along an edge of the cube, or rays.
     pub resolution: u32,
+    /// Points of a patch at which its row is gathered: auto, 1, 4 or 16.
+    pub receiving_points: &'static str,
     /// The solve stops at this error bound.
     pub tolerance: f64,
     /// Threads at work.

@@ -36,8 +36,8 @@ pub struct AssembleReport {
 
 /// Row sums within this of one count as closed: what rounding leaves of a row.
 const CLOSED: f64 = 2e-5;
-/// Within this of one a row may owe the rest to seams: it counts as closed in a scene that no ray
-/// leaves, and closed forms change it only where rays along its surface leave.
+/// Within this of one a row may owe the rest to seams: closed forms change it only where rays along its
+/// surface leave.
 const NEARLY_CLOSED: f64 = 2e-3;
 /// What closed forms leave open beyond this is no rounding of theirs.
 const GAP: f64 = 5e-4;
@@ -91,7 +91,7 @@ impl FormFactors {
             return None;
         }
         let sums: Vec<f64> = rows.par_iter().map(Row::sum).collect();
-        let sealed = computer.rays().is_sealed(mesh);
+        let sealed = computer.rays().is_sealed();
         let targets: Vec<f64> = (0..n)
             .into_par_iter()
             .map(|i| {
@@ -266,8 +266,12 @@ fn row_target(
     sealed: bool,
 ) -> f64 {
     let mesh = computer.mesh();
+    if sealed && sum > 0.0 {
+        // What lines miss of facets thinner than they stand apart is no opening.
+        return 1.0;
+    }
     let nearly = sum > 1.0 - NEARLY_CLOSED;
-    if sum > 1.0 - CLOSED || (nearly && sealed) {
+    if sum > 1.0 - CLOSED {
         let exact = near::sum_in_closed_form(computer, rows, i as u32);
         return exact.filter(|&exact| exact < 1.0 - GAP).unwrap_or(1.0);
     }

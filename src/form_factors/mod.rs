@@ -1,6 +1,7 @@
 //! Rows of form factors: which fraction of the power that leaves patch i arrives at patch j.
 //!
-//! A row is gathered at a patch's centre by one of three methods (`lines`, `hemicube`, `rays`).
+//! A row is gathered at a patch's centre or at several of its points by one of three methods (`lines`,
+//! `hemicube`, `rays`).
 //! [`FormFactors::assemble`] then makes the rows reciprocal, replaces what one centre point gets
 //! wrong about close neighbours by closed forms, and closes the power balance.
 
@@ -15,6 +16,7 @@ mod near;
 mod occluders;
 mod quality;
 mod rays;
+mod receiving;
 mod row;
 mod rows;
 
@@ -25,8 +27,9 @@ pub use matrix::{AssembleReport, FormFactors};
 pub use occluders::Occluders;
 pub use quality::RowQuality;
 pub use rays::RayScene;
+pub use receiving::ReceivingPoints;
 pub use row::{Row, RowBuffer};
-pub use rows::{RowComputer, RowScratch};
+pub use rows::{RowComputer, RowScratch, Sampling};
 
 /// How a row is computed.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
@@ -34,18 +37,25 @@ pub enum Method {
     /// Visible spans found exactly along half-planes through the normal, integrated in closed form.
     #[default]
     Lines,
-    /// The hemicube of 1985: visibility sampled at the centres of cells.
+    /// The hemicube: visibility sampled at the centres of cells. Turned from patch to patch, so that what
+    /// it gets wrong about edges along its cells does not add up.
     Hemicube,
+    /// The hemicube of 1985, in line with the edges of the surface that it stands on.
+    AlignedHemicube,
     /// Low-discrepancy rays with a cosine distribution.
     Rays,
 }
 
 impl Method {
+    /// All methods, the default first.
+    pub const ALL: [Self; 4] = [Self::Lines, Self::Hemicube, Self::AlignedHemicube, Self::Rays];
+
     /// The name that `--method` takes.
     pub fn name(self) -> &'static str {
         match self {
             Self::Lines => "lines",
             Self::Hemicube => "hemicube",
+            Self::AlignedHemicube => "hemicube-aligned",
             Self::Rays => "rays",
         }
     }
@@ -54,7 +64,7 @@ impl Method {
     pub fn default_resolution(self) -> u32 {
         match self {
             Self::Lines => 192,
-            Self::Hemicube => 256,
+            Self::Hemicube | Self::AlignedHemicube => 256,
             Self::Rays => 4096,
         }
     }

@@ -27,10 +27,8 @@ fn exchange(computer: &RowComputer, rows: &[Row], i: u32, j: u32) -> f64 {
     let sampled = a.area * rows[i as usize].get(j) + b.area * rows[j as usize].get(i);
     // The closed form from the very points that the rows were gathered at.
     let from = |patch: &Patch, index: u32, other: u32| -> f64 {
-        if !rows[index as usize].spread {
-            return patch.area * computer.unoccluded(patch.centre, patch.normal, other);
-        }
-        let points = computer.open_points(index, rows[index as usize].covered);
+        let row = &rows[index as usize];
+        let points = computer.open_points(index, row.points, row.covered);
         patch.area * points.iter().map(|&(x, w)| w * computer.unoccluded(x, patch.normal, other)).sum::<f64>()
     };
     let from_points = from(a, i, j) + from(b, j, i);

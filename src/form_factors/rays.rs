@@ -17,13 +17,15 @@ pub struct RayScene {
     normals: Vec<DVec3>,
     /// Rays start this far off the surface, metres.
     offset: f64,
+    /// Whether no ray leaves it.
+    sealed: bool,
 }
 
 impl RayScene {
     /// Triangulates the pieces of a mesh.
     pub fn new(mesh: &PatchMesh) -> Self {
         let (triangles, pieces) = mesh.triangles();
-        Self {
+        let mut scene = Self {
             bvh: Bvh::build(&triangles),
             patches: pieces.iter().map(|&p| mesh.pieces[p as usize].patches).collect(),
             dark: pieces
@@ -35,7 +37,10 @@ impl RayScene {
                 .map(|&p| mesh.regions[mesh.pieces[p as usize].region as usize].frame.normal)
                 .collect(),
             offset: 1e-7 * mesh.size,
-        }
+            sealed: false,
+        };
+        scene.sealed = scene.looks_sealed(mesh);
+        scene
     }
 
     /// The patch that a ray from `point` meets first; `None` where it escapes or meets a dark side.
@@ -54,7 +59,11 @@ impl RayScene {
 
     /// Whether no ray leaves the scene, of 8 spread over the hemisphere and 16 along the surface from each
     /// of some thousands of patches that light reaches.
-    pub(super) fn is_sealed(&self, mesh: &PatchMesh) -> bool {
+    pub(super) fn is_sealed(&self) -> bool {
+        self.sealed
+    }
+
+    fn looks_sealed(&self, mesh: &PatchMesh) -> bool {
         const RAYS: u32 = 8;
         const PATCHES: usize = 4096;
         let step = mesh.patches.len().div_ceil(PATCHES).max(1);
@@ -77,13 +86,14 @@ impl RayScene {
         })
     }
 
-    /// Whether a point on a surface lies inside a body or under one: what is lit never sees a side that
-    /// no light reaches, and one of 8 rays would meet one.
+    /// Whether a point on a surface lies inside a body, under one, or outside a closed scene that its
+    /// surface sticks out of: what is lit never sees a side that no light reaches, and one of 8 rays
+    /// would meet one or leave.
     pub(super) fn covered(&self, point: DVec3, frame: &Frame) -> bool {
         const RAYS: u32 = 8;
         (0..RAYS).any(|k| {
             let direction = frame.world(cosine_direction(k, RAYS, 0.1));
-            self.seen(point, direction).is_some_and(|(_, dark)| dark)
+            self.seen(point, direction).map_or(self.sealed, |(_, dark)| dark)
         })
     }
 

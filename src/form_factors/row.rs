@@ -1,5 +1,7 @@
 //! One row of form factors, dense while it is gathered and sparse when it is kept.
 
+use super::ReceivingPoints;
+
 /// Accumulates the form factors from one patch to all others.
 #[derive(Clone, Debug)]
 pub struct RowBuffer {
@@ -11,16 +13,16 @@ pub struct RowBuffer {
 }
 
 /// A row as it is kept: patch indices in rising order and their form factors.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Row {
     /// Patches seen.
     pub patches: Vec<u32>,
     /// Form factors to them, each above zero.
     pub values: Vec<f32>,
-    /// Whether it was gathered at several receiving points, not at the centre alone.
-    pub spread: bool,
+    /// At how many points it was gathered; never [`ReceivingPoints::Auto`].
+    pub points: ReceivingPoints,
     /// Of these points the ones that were left out, since they lie under something: one bit each.
-    pub covered: u8,
+    pub covered: u32,
 }
 
 impl RowBuffer {
@@ -72,7 +74,7 @@ impl RowBuffer {
         let mut row = Row {
             patches: Vec::with_capacity(count),
             values: Vec::with_capacity(count),
-            spread: false,
+            points: ReceivingPoints::One,
             covered: 0,
         };
         self.drain(|patch, value| {
@@ -83,6 +85,12 @@ impl RowBuffer {
             }
         });
         row
+    }
+}
+
+impl Default for Row {
+    fn default() -> Self {
+        Self { patches: Vec::new(), values: Vec::new(), points: ReceivingPoints::One, covered: 0 }
     }
 }
 

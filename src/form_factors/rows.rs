@@ -2,10 +2,11 @@
 
 use super::closed_form::point_to_polygon;
 use super::convex::{ConvexRows, ConvexScratch};
+use super::receiving::{ReceivingPoints, points_of};
 use super::{Fan, Hemicube, HemicubeSampler, LineSampler, Method, Occluders, RayScene, Row, RowBuffer};
 use crate::geometry::Frame;
 use crate::mesh::{Patch, PatchMesh, Side};
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 use std::sync::Arc;
 
 /// Computes rows of form factors for one mesh, method and resolution.
@@ -15,11 +16,40 @@ pub struct RowComputer {
     occluders: Occluders,
     rays: RayScene,
     sampler: Sampler,
+    points: ReceivingPoints,
     visibility: bool,
     /// Without occlusion, where nothing lies behind anything.
     convex: Option<ConvexRows>,
-    /// One patch of each lamp's regions, to aim shadow rays at.
-    lamps: Vec<u32>,
+    /// Where to aim shadow rays at.
+    lamps: Vec<Target>,
+}
+
+/// A region of a lamp as seen by shadow rays.
+#[derive(Clone, Debug)]
+struct Target {
+    /// One of its patches.
+    patch: u32,
+    /// Just inside its outline: its ends along the diagonals of its plane coordinates.
+    ends: [DVec3; 4],
+    /// From its middle to the farthest of these, metres.
+    radius: f64,
+}
+
+impl Target {
+    fn new(mesh: &PatchMesh, patch: u32) -> Self {
+        let region = &mesh.regions[mesh.patches[patch as usize].region as usize];
+        let corners = || region.edges.iter().map(|edge| edge[0]);
+        let middle = corners().sum::<DVec2>() / region.edges.len().max(1) as f64;
+        let end = |u: f64, v: f64| {
+            let along = |c: &DVec2| c.dot(DVec2::new(u, v));
+            let corner = corners().max_by(|a, b| along(a).total_cmp(&along(b))).unwrap_or(middle);
+            middle + (corner - middle) * INSIDE
+        };
+        let ends = [end(1.0, 1.0), end(-1.0, 1.0), end(-1.0, -1.0), end(1.0, -1.0)];
+        let radius = ends.iter().map(|e| e.distance(middle)).fold(0.0, f64::max);
+        let Frame { tangent, bitangent, .. } = region.frame;
+        Self { patch, ends: ends.map(|e| region.origin + tangent * e.x + bitangent * e.y), radius }
+    }
 }
 
 /// The fans of the line method.
@@ -27,8 +57,9 @@ pub struct RowComputer {
 struct Fans {
     /// For a patch gathered at its centre.
     full: Fan,
-    /// For each of the points of a patch gathered at several.
+    /// For each of four points of a patch, and of more.
     coarse: Fan,
+    coarser: Fan,
     /// For a lamp, whose rows light the first picture.
     fine: Fan,
 }
@@ -37,21 +68,44 @@ struct Fans {
 #[derive(Clone, Copy)]
 enum Purpose {
     Centre,
-    OneOfSeveral,
+    OneOf(ReceivingPoints),
     Lamp,
 }
 
 #[derive(Clone, Debug)]
 enum Sampler {
     Lines(Fans),
-    Hemicube(Hemicube),
+    /// With whether it is turned from patch to patch.
+    Hemicube(Hemicube, bool),
     Rays(u32),
+}
+
+/// How rows are gathered.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Sampling {
+    /// By what method.
+    pub method: Method,
+    /// Half-planes, cells along an edge or rays a row; `None` takes the method's default.
+    pub resolution: Option<u32>,
+    /// At how many points of a patch.
+    pub points: ReceivingPoints,
 }
 
 /// How many times as many half-planes a lamp's row has.
 const LAMP_FINER: u32 = 4;
-/// How many times as many half-planes each of several receiving points has: their patterns add up.
-const SEVERAL_COARSER: f64 = 0.67;
+/// How many times as many half-planes each of four receiving points has, and of more: their patterns
+/// add up.
+const COARSE: f64 = 0.67;
+const COARSER: f64 = 0.5;
+/// From this many half-planes on, four points would be what is wrong about a patch with a shadow's edge.
+const FINE_SHADOWS: usize = 384;
+
+/// Shadow rays go between points this far out from the middles of patch and lamp to their corners.
+const INSIDE: f64 = 0.9;
+/// Of a lamp whose radius is less than this share of its distance the middle stands for the whole.
+const POINT_LIKE: f64 = 0.1;
+/// A centre that misses more than this of its row may lie under something.
+const HIDDEN: f64 = 0.01;
 
 /// Working memory of one thread.
 #[derive(Clone, Debug)]
@@ -67,24 +121,27 @@ impl RowComputer {
     ///
     /// `visibility` off takes every pair that faces each other as fully visible and uses closed
     /// forms alone: right only where [`crate::effects::Effect::Visibility`] is not called for.
-    pub fn new(mesh: Arc<PatchMesh>, method: Method, resolution: Option<u32>, visibility: bool) -> Self {
+    pub fn new(mesh: Arc<PatchMesh>, sampling: Sampling, visibility: bool) -> Self {
+        let Sampling { method, resolution, points } = sampling;
         let resolution = resolution.unwrap_or(method.default_resolution());
         let sampler = match method {
             Method::Lines => Sampler::Lines(Fans {
                 full: Fan::new(resolution),
-                coarse: Fan::new((resolution as f64 * SEVERAL_COARSER).ceil() as u32),
+                coarse: Fan::new((f64::from(resolution) * COARSE).ceil() as u32),
+                coarser: Fan::new((f64::from(resolution) * COARSER).ceil() as u32),
                 fine: Fan::new(resolution.saturating_mul(LAMP_FINER)),
             }),
-            Method::Hemicube => Sampler::Hemicube(Hemicube::new(resolution)),
+            Method::Hemicube => Sampler::Hemicube(Hemicube::new(resolution), true),
+            Method::AlignedHemicube => Sampler::Hemicube(Hemicube::new(resolution), false),
             Method::Rays => Sampler::Rays(resolution.max(1)),
         };
-        let mut lamps: Vec<u32> = Vec::new();
+        let mut lamps: Vec<Target> = Vec::new();
         for (index, patch) in mesh.patches.iter().enumerate() {
-            let last = lamps.last().map(|&l| &mesh.patches[l as usize]);
+            let last = lamps.last().map(|l| &mesh.patches[l.patch as usize]);
             if patch.luminaire.is_some()
                 && last.is_none_or(|l| (l.region, l.side) != (patch.region, patch.side))
             {
-                lamps.push(index as u32);
+                lamps.push(Target::new(&mesh, index as u32));
             }
         }
         Self {
@@ -93,6 +150,7 @@ impl RowComputer {
             convex: if visibility { None } else { ConvexRows::new(&mesh) },
             mesh,
             sampler,
+            points,
             visibility,
             lamps,
         }
@@ -115,10 +173,14 @@ impl RowComputer {
             Sampler::Lines(fans) => {
                 fans.full.len() as f64 / 192.0 * (1.0 + self.occluders.regions.len() as f64 / 1000.0)
             }
-            Sampler::Hemicube(cube) => 8.0 * (cube.resolution() as f64 / 256.0).powi(2),
+            Sampler::Hemicube(cube, _) => 8.0 * (cube.resolution() as f64 / 256.0).powi(2),
             Sampler::Rays(count) => 4.0 * f64::from(*count) / 4096.0,
         };
-        (96.0 / cost).clamp(2.0, 256.0) as usize
+        let points = match (&self.sampler, self.points) {
+            (_, ReceivingPoints::Auto | ReceivingPoints::One) | (Sampler::Rays(_), _) => 1.0,
+            (_, several) => f64::from(several.several()),
+        };
+        (96.0 / (cost * points)).clamp(2.0, 256.0) as usize
     }
 
     /// Rays against the true polygons of the mesh.
@@ -148,27 +210,62 @@ impl RowComputer {
         }
         let frame = self.frame(patch);
         let purpose = if p.luminaire.is_some() { Purpose::Lamp } else { Purpose::Centre };
-        self.gather(p.centre, frame, turn_of(patch), purpose, scratch);
-        if !self.crosses_shadow(patch, scratch) {
+        let wanted = match self.points {
+            ReceivingPoints::One => ReceivingPoints::One,
+            // A lamp's own row lights the first picture, and is fine enough for that.
+            ReceivingPoints::Four | ReceivingPoints::Sixteen if p.luminaire.is_some() => ReceivingPoints::One,
+            ReceivingPoints::Auto => {
+                self.gather(p.centre, frame, turn_of(patch), purpose, scratch);
+                let row = scratch.row.take();
+                // A centre under something that stands on the patch sees but its dark inside.
+                let hidden = row.sum() < 1.0 - HIDDEN && self.rays.covered(p.centre, &frame);
+                if !hidden && !self.crosses_shadow(patch, scratch) {
+                    return row;
+                }
+                self.at_shadows()
+            }
+            wanted => wanted,
+        };
+        if wanted == ReceivingPoints::One {
+            self.gather(p.centre, frame, turn_of(patch), purpose, scratch);
             return scratch.row.take();
         }
-        scratch.row.drain(|_, _| {});
-        let covered = (0_u8..)
-            .zip(self.receiving_points(patch))
-            .filter(|(_, (point, _))| self.rays.covered(*point, &frame))
-            .fold(0, |bits, (k, _)| bits | 1 << k);
-        let points = self.open_points(patch, covered);
+        let mut at = wanted;
+        let mut covered = self.covered(patch, at, &frame);
+        if self.points == ReceivingPoints::Auto && covered != 0 {
+            // Something stands on it: how much of it, and where its shadow begins, takes more points.
+            at = ReceivingPoints::Sixteen;
+            covered = self.covered(patch, at, &frame);
+        }
+        let points = self.open_points(patch, at, covered);
         if points.is_empty() {
             self.gather(p.centre, frame, turn_of(patch), purpose, scratch);
             return scratch.row.take();
         }
+        let count = points.len() as f64;
         for (k, (point, weight)) in points.into_iter().enumerate() {
             scratch.row.set_weight(weight);
             // The patterns of the points interleave.
-            self.gather(point, frame, turn_of(patch) + 0.25 * k as f64, Purpose::OneOfSeveral, scratch);
+            self.gather(point, frame, turn_of(patch) + k as f64 / count, Purpose::OneOf(at), scratch);
         }
         scratch.row.set_weight(1.0);
-        Row { spread: true, covered, ..scratch.row.take() }
+        Row { points: at, covered, ..scratch.row.take() }
+    }
+
+    /// At how many points a patch is gathered that a shadow's edge may cross.
+    fn at_shadows(&self) -> ReceivingPoints {
+        match &self.sampler {
+            Sampler::Lines(fans) if fans.full.len() >= FINE_SHADOWS => ReceivingPoints::Sixteen,
+            _ => ReceivingPoints::Four,
+        }
+    }
+
+    /// Which of a patch's receiving points lie under something: one bit each.
+    fn covered(&self, patch: u32, at: ReceivingPoints, frame: &Frame) -> u32 {
+        (0_u32..)
+            .zip(points_of(&self.mesh, &self.mesh.patches[patch as usize], at))
+            .filter(|(_, (point, _))| self.rays.covered(*point, frame))
+            .fold(0, |bits, (k, _)| bits | 1 << k)
     }
 
     /// The row of a patch as if nothing hid anything: closed forms from its centre.
@@ -195,17 +292,22 @@ impl RowComputer {
             let cosines = clear(p.normal.dot(to_lamp)) * clear(-lamp.normal.dot(to_lamp));
             lamp.area * cosines / to_lamp.length_squared().powi(2).max(f64::MIN_POSITIVE)
         };
-        let lamps = self.lamps.iter().map(|&l| &self.mesh.patches[l as usize]);
-        let shares: Vec<(f64, &Patch)> = lamps.map(|lamp| (share(lamp, p.centre), lamp)).collect();
+        let lamps = self.lamps.iter().map(|target| (target, &self.mesh.patches[target.patch as usize]));
+        let shares: Vec<(f64, &Target, &Patch)> =
+            lamps.map(|(target, lamp)| (share(lamp, p.centre), target, lamp)).collect();
         let largest = shares.iter().map(|s| s.0).fold(0.0, f64::max);
         let corners: Vec<DVec3> = self
             .mesh
             .pieces_of(p)
             .flat_map(|piece| self.mesh.corners_of(piece))
-            .map(|c| p.centre + (self.mesh.vertices[c.vertex as usize] - p.centre) * 0.9)
+            .map(|c| p.centre + (self.mesh.vertices[c.vertex as usize] - p.centre) * INSIDE)
             .collect();
-        shares.iter().filter(|s| s.0 > 0.1 * largest).any(|(_, lamp)| {
-            let mut seen = corners.iter().map(|&c| share(lamp, c) > 0.0 && self.rays.visible(c, lamp.centre));
+        shares.iter().filter(|s| s.0 > 0.1 * largest).any(|(_, target, lamp)| {
+            let near = target.radius > POINT_LIKE * lamp.centre.distance(p.centre);
+            let ends = if near { &target.ends[..] } else { &[] };
+            let mut seen = std::iter::once(&lamp.centre)
+                .chain(ends)
+                .flat_map(|end| corners.iter().map(|&c| share(lamp, c) > 0.0 && self.rays.visible(c, *end)));
             let first = seen.next();
             seen.any(|s| Some(s) != first)
         })
@@ -213,8 +315,8 @@ impl RowComputer {
 
     /// The receiving points of a patch without those that are `covered` (a bit each), with their shares
     /// of what is left; empty if none is.
-    pub(super) fn open_points(&self, patch: u32, covered: u8) -> Vec<(DVec3, f64)> {
-        let mut points = self.receiving_points(patch);
+    pub(super) fn open_points(&self, patch: u32, at: ReceivingPoints, covered: u32) -> Vec<(DVec3, f64)> {
+        let mut points = points_of(&self.mesh, &self.mesh.patches[patch as usize], at);
         if covered != 0 {
             let mut bits = covered;
             points.retain(|_| {
@@ -226,44 +328,6 @@ impl RowComputer {
             points.iter_mut().for_each(|p| p.1 /= rest);
         }
         points
-    }
-
-    /// Points that stand for a patch with their shares of it: 2 x 2 Gauss points of a quadrilateral,
-    /// else the middles of the triangles that its pieces fan into, at most 8.
-    pub fn receiving_points(&self, patch: u32) -> Vec<(DVec3, f64)> {
-        let p = &self.mesh.patches[patch as usize];
-        let polygons: Vec<Vec<DVec3>> =
-            self.mesh.pieces_of(p).map(|piece| self.mesh.polygon(piece, p.side)).collect();
-        if let [quad] = polygons.as_slice()
-            && let &[a, b, c, d] = quad.as_slice()
-        {
-            const NEAR: f64 = 0.211_324_865_405_187_13;
-            let at = |s: f64, t: f64| {
-                a * (1.0 - s) * (1.0 - t) + b * s * (1.0 - t) + c * s * t + d * (1.0 - s) * t
-            };
-            return [(NEAR, NEAR), (1.0 - NEAR, NEAR), (1.0 - NEAR, 1.0 - NEAR), (NEAR, 1.0 - NEAR)]
-                .map(|(s, t)| (at(s, t), 0.25))
-                .to_vec();
-        }
-        let mut points: Vec<(DVec3, f64)> = Vec::new();
-        for polygon in &polygons {
-            for k in 1..polygon.len() - 1 {
-                let triangle = [polygon[0], polygon[k], polygon[k + 1]];
-                let area = crate::geometry::polygon::area_vector(&triangle).length();
-                points.push(((triangle[0] + triangle[1] + triangle[2]) / 3.0, area));
-            }
-        }
-        if points.len() > 8 {
-            // The largest, where areas that differ by rounding alone count as equal.
-            let unit = 1e-9 * p.area;
-            points.sort_by_key(|point| std::cmp::Reverse((point.1 / unit) as u64));
-            points.truncate(8);
-        }
-        let total: f64 = points.iter().map(|p| p.1).sum();
-        if total <= 0.0 {
-            return vec![(p.centre, 1.0)];
-        }
-        points.iter().map(|&(x, area)| (x, area / total)).collect()
     }
 
     /// Form factors from a free point with a unit normal to every patch, in rising order of patches.
@@ -285,7 +349,8 @@ impl RowComputer {
             Sampler::Lines(fans) => {
                 let fan = match purpose {
                     Purpose::Centre => &fans.full,
-                    Purpose::OneOfSeveral => &fans.coarse,
+                    Purpose::OneOf(ReceivingPoints::Sixteen) => &fans.coarser,
+                    Purpose::OneOf(_) => &fans.coarse,
                     Purpose::Lamp => &fans.fine,
                 };
                 scratch.lines.gather(&self.occluders, fan, point, &frame, turn, &mut scratch.row);
@@ -293,12 +358,18 @@ impl RowComputer {
                     self.add_by_rays(region, point, frame.normal, &mut scratch.row);
                 }
             }
-            Sampler::Hemicube(cube) => {
-                // Turned, so that edges do not run along rows of cells.
-                let turned = frame.turned(turn * std::f64::consts::TAU);
-                cube.gather(&mut scratch.hemicube, &self.mesh, point, &turned, &mut scratch.row);
+            Sampler::Hemicube(cube, turned) => {
+                // Turned, edges do not run along rows of cells.
+                let frame = if *turned { frame.turned(turn * std::f64::consts::TAU) } else { frame };
+                cube.gather(&mut scratch.hemicube, &self.mesh, point, &frame, &mut scratch.row);
             }
-            Sampler::Rays(count) => self.rays.gather(*count, point, &frame, turn, &mut scratch.row),
+            Sampler::Rays(count) => {
+                let count = match purpose {
+                    Purpose::OneOf(points) => count.div_ceil(points.several()),
+                    Purpose::Centre | Purpose::Lamp => *count,
+                };
+                self.rays.gather(count, point, &frame, turn, &mut scratch.row);
+            }
         }
     }
 

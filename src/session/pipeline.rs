@@ -2,7 +2,7 @@
 
 use super::effect_costs;
 use crate::effects::{self, Effect, EffectChoices, EffectPlan};
-use crate::form_factors::{AssembleReport, FormFactors, Method, Row, RowComputer};
+use crate::form_factors::{AssembleReport, FormFactors, Method, ReceivingPoints, Row, RowComputer, Sampling};
 use crate::mesh::{self, MeshSettings, PatchMesh, PatchTarget};
 use crate::scene::{Lighting, Scene};
 use crate::solver::{GaussSeidel, LightBases, PatchLight, Shooter, SweepReport, System};
@@ -21,6 +21,8 @@ pub struct SolveSettings {
     pub method: Method,
     /// Half-planes, cells along an edge or rays a row; `None` takes the method's default.
     pub resolution: Option<u32>,
+    /// At how many points of a patch its row is gathered.
+    pub points: ReceivingPoints,
     /// The solve stops at this relative error bound; above zero.
     pub tolerance: f64,
     /// Effects forced on or off.
@@ -33,9 +35,17 @@ impl Default for SolveSettings {
             patches: PatchTarget::default(),
             method: Method::default(),
             resolution: None,
+            points: ReceivingPoints::default(),
             tolerance: 1e-4,
             effects: EffectChoices::default(),
         }
+    }
+}
+
+impl SolveSettings {
+    /// What rows depend on besides the mesh and the effects.
+    pub fn sampling(&self) -> Sampling {
+        Sampling { method: self.method, resolution: self.resolution, points: self.points }
     }
 }
 
@@ -251,7 +261,7 @@ pub fn prepare(scene: Arc<Scene>, settings: &SolveSettings) -> Result<Prepared, 
     let plan = Arc::new(effects::plan(&scene, &mesh, &settings.effects));
     timings.plan = clock.elapsed().as_secs_f64();
     let visibility = plan.is_on(Effect::Visibility);
-    let computer = Arc::new(RowComputer::new(mesh.clone(), settings.method, settings.resolution, visibility));
+    let computer = Arc::new(RowComputer::new(mesh.clone(), settings.sampling(), visibility));
     Ok(Prepared { scene, mesh, plan, computer, timings })
 }
 

@@ -26,8 +26,7 @@ impl Recompute {
     pub(super) fn between(state: &State, wanted: &Wanted) -> Self {
         let (old, new) = (&state.done.settings, &wanted.settings);
         let scene = state.done.opened != wanted.opened || state.scene.is_none();
-        let method =
-            old.method != new.method || old.resolution != new.resolution || old.effects != new.effects;
+        let method = old.sampling() != new.sampling() || old.effects != new.effects;
         let mesh = scene || method || state.prepared.is_none() || old.patches != new.patches;
         Self { scene, mesh, method, ..Self::default() }
     }

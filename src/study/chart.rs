@@ -5,9 +5,10 @@ use super::table::Row;
 use crate::export::{Chart, ChartPoint, Panel, Series};
 use crate::form_factors::Method;
 
-const METHODS: [(Method, &str, &str); 3] = [
+const METHODS: [(Method, &str, &str); 4] = [
     (Method::Lines, "lines", "#cf6a17"),
-    (Method::Hemicube, "hemicube (1985)", "#2c6fb3"),
+    (Method::Hemicube, "hemicube", "#2c6fb3"),
+    (Method::AlignedHemicube, "hemicube (1985)", "#8a5fb0"),
     (Method::Rays, "rays", "#5f9150"),
 ];
 

@@ -5,7 +5,7 @@ use super::cost::{CostModel, Fineness, Limits, Measured};
 use super::trial::{row_overhead, trial};
 use crate::accuracy::{AuditSettings, ErrorBudget};
 use crate::effects::EffectChoices;
-use crate::form_factors::{AssembleReport, FormFactors, Method};
+use crate::form_factors::{AssembleReport, FormFactors, Method, ReceivingPoints};
 use crate::mesh::PatchTarget;
 use crate::scene::{Lighting, Scene};
 use crate::session::{
@@ -265,6 +265,7 @@ fn settings_of(fineness: Fineness, goal: Goal, effects: &EffectChoices) -> Solve
         patches: PatchTarget::Count(fineness.patches as usize),
         method: Method::Lines,
         resolution: Some(fineness.lines as u32),
+        points: ReceivingPoints::Auto,
         tolerance,
         effects: effects.clone(),
     }

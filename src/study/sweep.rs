@@ -29,7 +29,7 @@ impl Entry {
         let n = f64::from(self.resolution);
         let row = match self.method {
             Method::Lines => 0.011 + 0.000_47 * n,
-            Method::Hemicube => 0.6 + 2.0e-5 * n * n,
+            Method::Hemicube | Method::AlignedHemicube => 0.6 + 2.0e-5 * n * n,
             Method::Rays => 0.000_5 * n,
         };
         self.patches as f64 * row + 2e-5 * (self.patches as f64).powi(2)

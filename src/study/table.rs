@@ -101,9 +101,7 @@ fn parse_row(names: &[&str], line: &str) -> Option<Row> {
         let end = |suffix: &str| number(&format!("{name}{suffix}"));
         Some(Estimate { error: end("")?, low: end("_low")?, high: end("_high")? })
     };
-    let method = [Method::Lines, Method::Hemicube, Method::Rays]
-        .into_iter()
-        .find(|m| Some(m.name()) == text("method"))?;
+    let method = Method::ALL.into_iter().find(|m| Some(m.name()) == text("method"))?;
     let mut budget = ErrorBudget {
         form_factors: estimate("form_factors")?,
         mesh: estimate("patch_error")?,

@@ -1,7 +1,7 @@
 //! Some rows tried out, spread over the scene: what all of them will cost.
 
 use crate::effects::Effect;
-use crate::form_factors::{Method, RowComputer};
+use crate::form_factors::{Method, ReceivingPoints, RowComputer, Sampling};
 use crate::session::{Prepared, Solved};
 use rayon::prelude::*;
 use std::time::Instant;
@@ -17,10 +17,12 @@ pub struct Trial {
 
 /// Rows that are tried.
 const TRIED: usize = 96;
-/// Rows that are tried to learn what lines cost, how often, and by how many times as many lines.
+/// Rows that are tried to learn what lines cost, how often, by how many times as many lines, and at least
+/// by how many.
 const COMPARED: usize = 24;
 const REPEATS: usize = 2;
 const TIMES: u32 = 4;
+const FEWEST: u32 = 24;
 /// What a row costs besides its lines lies between these, as lines.
 const OVERHEAD: [f64; 2] = [8.0, 400.0];
 
@@ -44,12 +46,16 @@ pub fn trial(prepared: &Prepared) -> Trial {
     Trial { rows: clock.elapsed().as_secs_f64() * share, entries: entries as f64 * share }
 }
 
-/// What one row of a solved scene costs besides its `lines`, as lines: with t and T the times of some rows
-/// by n and by 4 n lines, (4 n + x) / (n + x) = T / t. Runs on the calling thread, for some fifty rows.
+/// What one row of a solved scene costs besides its lines, as lines: with t and T the times of some rows
+/// by n and by 4 n lines, (4 n + x) / (n + x) = T / t. Takes `lines` as 4 n, where those are not too few. Runs on the calling thread, for some fifty rows.
 pub fn row_overhead(solved: &Solved, lines: u32) -> f64 {
     let visibility = solved.plan.is_on(Effect::Visibility);
-    let of = |lines: u32| RowComputer::new(solved.mesh.clone(), Method::Lines, Some(lines), visibility);
-    let computers = [of(lines), of(TIMES.saturating_mul(lines))];
+    let few = if lines >= TIMES * FEWEST { lines / TIMES } else { lines };
+    let computers = [few, TIMES * few].map(|lines| {
+        let points = ReceivingPoints::Auto;
+        let sampling = Sampling { method: Method::Lines, resolution: Some(lines), points };
+        RowComputer::new(solved.mesh.clone(), sampling, visibility)
+    });
     let mut scratches = computers.each_ref().map(RowComputer::scratch);
     let mut seconds = [0.0; 2];
     for i in spread(&computers[0], COMPARED) {
@@ -65,6 +71,6 @@ pub fn row_overhead(solved: &Solved, lines: u32) -> f64 {
         }
     }
     let (ratio, times) = (seconds[1] / seconds[0], f64::from(TIMES));
-    let overhead = f64::from(lines) * (times - ratio) / (ratio - 1.0).max(1e-3);
+    let overhead = f64::from(few) * (times - ratio) / (ratio - 1.0).max(1e-3);
     if overhead.is_finite() { overhead.clamp(OVERHEAD[0], OVERHEAD[1]) } else { OVERHEAD[0] }
 }

@@ -82,7 +82,7 @@ impl Way {
 /// Lines and hemicube as by default; four times as many rays, whose noise falls slowly.
 fn resolution(method: Method) -> u32 {
     match method {
-        Method::Lines | Method::Hemicube => method.default_resolution(),
+        Method::Lines | Method::Hemicube | Method::AlignedHemicube => method.default_resolution(),
         Method::Rays => 4 * method.default_resolution(),
     }
 }

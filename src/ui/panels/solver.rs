@@ -1,7 +1,7 @@
 //! How far the light has settled, and with what it is computed.
 
 use super::{Commands, Model, empty};
-use crate::form_factors::Method;
+use crate::form_factors::{Method, ReceivingPoints};
 use crate::mesh::PatchTarget;
 use crate::session::{Snapshot, SolveSettings, Stage};
 use crate::solver::SweepReport;
@@ -160,7 +160,7 @@ const COUNTS: [usize; 6] = [1_000, 2_500, 5_000, 10_000, 20_000, 50_000];
 fn settings(ui: &mut egui::Ui, now: &SolveSettings, out: &mut Commands) {
     let mut new = now.clone();
     combo(ui, "Form factors", method_name(now.method), |ui| {
-        for method in [Method::Lines, Method::Hemicube, Method::Rays] {
+        for method in Method::ALL {
             if ui.selectable_label(now.method == method, method_name(method)).clicked() {
                 new.method = method;
                 new.resolution = None;
@@ -178,6 +178,13 @@ fn settings(ui: &mut egui::Ui, now: &SolveSettings, out: &mut Commands) {
             let label = format!("{name} ({resolution})");
             if ui.selectable_label((f - factor).abs() < 0.01, label).clicked() {
                 new.resolution = if f == 1.0 { None } else { Some(resolution) };
+            }
+        }
+    });
+    combo(ui, "Receiving points", points_name(now.points), |ui| {
+        for points in ReceivingPoints::ALL {
+            if ui.selectable_label(now.points == points, points_name(points)).clicked() {
+                new.points = points;
             }
         }
     });
@@ -211,9 +218,19 @@ fn settings(ui: &mut egui::Ui, now: &SolveSettings, out: &mut Commands) {
 
 fn method_name(method: Method) -> &'static str {
     match method {
-        Method::Lines => "Line hemicube",
-        Method::Hemicube => "Hemicube (1985)",
+        Method::Lines => "Lines",
+        Method::Hemicube => "Hemicube",
+        Method::AlignedHemicube => "Hemicube (1985)",
         Method::Rays => "Rays",
+    }
+}
+
+fn points_name(points: ReceivingPoints) -> &'static str {
+    match points {
+        ReceivingPoints::Auto => "As shadows ask",
+        ReceivingPoints::One => "1 a patch",
+        ReceivingPoints::Four => "4 a patch",
+        ReceivingPoints::Sixteen => "16 a patch",
     }
 }
 

@@ -1,0 +1,183 @@
+//! The points of a patch at which its row is gathered.
+
+use crate::geometry::polygon;
+use crate::mesh::{Patch, PatchMesh};
+use glam::DVec3;
+
+/// At how many points of a patch its row is gathered.
+///
+/// One point is wrong about what changes within the patch; where the light is smooth, by a share
+/// that falls with the square of the patch size and that no resolution cures.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum ReceivingPoints {
+    /// The centre, and four where the edge of a lamp's shadow may cross the patch (lines only).
+    #[default]
+    Auto,
+    /// The centre alone, as in 1985.
+    One,
+    /// 2 x 2 Gauss points of a quadrilateral, three of a triangle.
+    Four,
+    /// 4 x 4 Gauss points of a quadrilateral, six of a triangle.
+    Sixteen,
+}
+
+impl ReceivingPoints {
+    /// All choices, coarsest last named.
+    pub const ALL: [Self; 4] = [Self::Auto, Self::One, Self::Four, Self::Sixteen];
+
+    /// The name that `--receiving-points` takes.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Auto => "auto",
+            Self::One => "1",
+            Self::Four => "4",
+            Self::Sixteen => "16",
+        }
+    }
+
+    /// Points of a quadrilateral that is gathered at several.
+    pub(super) fn several(self) -> u32 {
+        match self {
+            Self::Sixteen => 16,
+            _ => 4,
+        }
+    }
+}
+
+/// Points at most, so that a word has a bit for each.
+const MOST: usize = 32;
+
+/// Gauss-Legendre nodes and weights on 0..1 with 2 and with 4 points.
+const TWO: [(f64, f64); 2] = [(0.211_324_865_405_187_13, 0.5), (0.788_675_134_594_812_9, 0.5)];
+const FOUR: [(f64, f64); 4] = [
+    (0.069_431_844_202_973_71, 0.173_927_422_568_726_93),
+    (0.330_009_478_207_571_87, 0.326_072_577_431_273_07),
+    (0.669_990_521_792_428_1, 0.326_072_577_431_273_07),
+    (0.930_568_155_797_026_3, 0.173_927_422_568_726_93),
+];
+
+/// Symmetric rules on a triangle as (distance of a point from its nearest corner's opposite side, weight),
+/// each for the three corners: exact to degree 2 (Strang & Fix 1973) and 4 (Dunavant 1985).
+const DEGREE_TWO: [(f64, f64); 1] = [(2.0 / 3.0, 1.0 / 3.0)];
+const DEGREE_FOUR: [(f64, f64); 2] = [
+    (0.108_103_018_168_070_23, 0.223_381_589_678_011_47),
+    (0.816_847_572_980_458_5, 0.109_951_743_655_321_87),
+];
+
+/// Points that stand for a patch with their shares of it, which sum to one; at most 32.
+///
+/// Gauss points of a quadrilateral; else those of the triangles that its pieces fan into, fewer of
+/// each where there are many.
+pub(super) fn points_of(mesh: &PatchMesh, patch: &Patch, how: ReceivingPoints) -> Vec<(DVec3, f64)> {
+    if how == ReceivingPoints::One {
+        return vec![(patch.centre, 1.0)];
+    }
+    let fine = how == ReceivingPoints::Sixteen;
+    let polygons: Vec<Vec<DVec3>> =
+        mesh.pieces_of(patch).map(|piece| mesh.polygon(piece, patch.side)).collect();
+    if let [quad] = polygons.as_slice()
+        && let &[a, b, c, d] = quad.as_slice()
+    {
+        return shares(if fine { on_quad([a, b, c, d], &FOUR) } else { on_quad([a, b, c, d], &TWO) }, patch);
+    }
+    let mut triangles: Vec<([DVec3; 3], f64)> = Vec::new();
+    for outline in &polygons {
+        for k in 1..outline.len() - 1 {
+            let triangle = [outline[0], outline[k], outline[k + 1]];
+            triangles.push((triangle, polygon::area_vector(&triangle).length()));
+        }
+    }
+    let most = if fine { MOST } else { 8 };
+    if triangles.len() > most {
+        // The largest, where areas that differ by rounding alone count as equal.
+        let unit = 1e-9 * patch.area;
+        triangles.sort_by_key(|triangle| std::cmp::Reverse((triangle.1 / unit) as u64));
+        triangles.truncate(most);
+    }
+    let rule: &[(f64, f64)] = match triangles.len() {
+        1..=5 if fine => &DEGREE_FOUR,
+        6..=10 if fine => &DEGREE_TWO,
+        1..=4 => &DEGREE_TWO,
+        _ => &[],
+    };
+    let mut points = Vec::new();
+    for ([a, b, c], area) in triangles {
+        if rule.is_empty() {
+            points.push(((a + b + c) / 3.0, area));
+        }
+        for &(near, weight) in rule {
+            let far = 0.5 * (1.0 - near);
+            for [p, q, r] in [[a, b, c], [b, c, a], [c, a, b]] {
+                points.push((p * near + q * far + r * far, area * weight));
+            }
+        }
+    }
+    shares(points, patch)
+}
+
+/// Products of a Gauss rule on the bilinear map of a quadrilateral, with their area.
+fn on_quad([a, b, c, d]: [DVec3; 4], rule: &[(f64, f64)]) -> Vec<(DVec3, f64)> {
+    let mut points = Vec::with_capacity(rule.len() * rule.len());
+    for &(t, t_weight) in rule {
+        for &(s, s_weight) in rule {
+            let at = a * (1.0 - s) * (1.0 - t) + b * s * (1.0 - t) + c * s * t + d * (1.0 - s) * t;
+            let along_s = (b - a) * (1.0 - t) + (c - d) * t;
+            let along_t = (d - a) * (1.0 - s) + (c - b) * s;
+            points.push((at, s_weight * t_weight * along_s.cross(along_t).length()));
+        }
+    }
+    points
+}
+
+fn shares(mut points: Vec<(DVec3, f64)>, patch: &Patch) -> Vec<(DVec3, f64)> {
+    let total: f64 = points.iter().map(|p| p.1).sum();
+    if total <= 0.0 {
+        return vec![(patch.centre, 1.0)];
+    }
+    points.iter_mut().for_each(|p| p.1 /= total);
+    points
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Mean of x^i y^j over the unit square's half below the diagonal: i! j! / (i + j + 2)! * 2.
+    #[test]
+    fn triangle_rules_are_exact_to_their_degree() {
+        let corners = [DVec3::ZERO, DVec3::X, DVec3::Y];
+        let factorial = |n: u32| (1..=n).map(f64::from).product::<f64>();
+        for (rule, degree) in [(&DEGREE_TWO[..], 2), (&DEGREE_FOUR[..], 4)] {
+            for i in 0..=degree {
+                for j in 0..=degree - i {
+                    let mut sum = 0.0;
+                    for &(near, weight) in rule {
+                        let far = 0.5 * (1.0 - near);
+                        for k in 0..3 {
+                            let p = (0..3)
+                                .fold(DVec3::ZERO, |p, c| p + corners[c] * if c == k { near } else { far });
+                            sum += weight * p.x.powi(i as i32) * p.y.powi(j as i32);
+                        }
+                    }
+                    let exact = 2.0 * factorial(i) * factorial(j) / factorial(i + j + 2);
+                    assert!((sum - exact).abs() < 1e-14, "x^{i} y^{j}: {sum} for {exact}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn quadrilateral_rules_weigh_by_area() {
+        // A trapezium: the mean of x over it is known.
+        let quad =
+            [DVec3::ZERO, DVec3::new(2.0, 0.0, 0.0), DVec3::new(1.0, 1.0, 0.0), DVec3::new(0.0, 1.0, 0.0)];
+        for rule in [&TWO[..], &FOUR[..]] {
+            let points = on_quad(quad, rule);
+            let area: f64 = points.iter().map(|p| p.1).sum();
+            let mean = points.iter().map(|p| p.0.x * p.1).sum::<f64>() / area;
+            assert!((area - 1.5).abs() < 1e-14, "{area}");
+            // The square's 1/2 and the triangle's 4/3 by their areas.
+            assert!((mean - (0.5 + 0.5 * 4.0 / 3.0) / 1.5).abs() < 1e-14, "{mean}");
+        }
+    }
+}
