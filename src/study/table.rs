@@ -3,7 +3,7 @@
 use super::sweep::Entry;
 use crate::accuracy::{ErrorBudget, Estimate, Ranged};
 use crate::export::{ExportError, atomic};
-use crate::form_factors::Method;
+use crate::form_factors::{Method, ReceivingPoints};
 use std::collections::HashMap;
 use std::io::Write as _;
 use std::path::Path;
@@ -33,11 +33,12 @@ pub struct Row {
 
 impl Default for Entry {
     fn default() -> Self {
-        Self { method: Method::Lines, resolution: Method::Lines.default_resolution(), patches: 1 }
+        let (method, points) = (Method::Lines, ReceivingPoints::Auto);
+        Self { method, resolution: method.default_resolution(), points, patches: 1 }
     }
 }
 
-const HEADER: &str = "scene,hash,threads,method,resolution,patches_wanted,patches,seconds_mesh,seconds_rows,\
+const HEADER: &str = "scene,hash,threads,method,resolution,receiving_points,patches_wanted,patches,seconds_mesh,seconds_rows,\
     seconds_balance,seconds_sweeps,seconds_total,peak_memory_bytes,form_factors,form_factors_low,\
     form_factors_high,patch_error,patch_error_low,patch_error_high,solver,solver_low,solver_high,solver_bound,\
     total,total_low,total_high,averages,averages_low,averages_high,local,local_low,local_high,median,within_1,within_5,within_10,mean_irradiance,receivers,rays,audit_seconds";
@@ -56,11 +57,12 @@ pub fn write(path: &Path, rows: &[Row]) -> Result<(), ExportError> {
             let memory = row.peak_memory.map_or(String::new(), |bytes| bytes.to_string());
             write!(
                 file,
-                "{name},{:016x},{},{},{},{},{}",
+                "{name},{:016x},{},{},{},{},{},{}",
                 row.hash,
                 row.threads,
                 row.entry.method.name(),
                 row.entry.resolution,
+                row.entry.points.name(),
                 row.entry.patches,
                 row.patches
             )?;
@@ -102,6 +104,9 @@ fn parse_row(names: &[&str], line: &str) -> Option<Row> {
         Some(Estimate { error: end("")?, low: end("_low")?, high: end("_high")? })
     };
     let method = Method::ALL.into_iter().find(|m| Some(m.name()) == text("method"))?;
+    // Tables of before this was a choice hold what was chosen by itself.
+    let points = text("receiving_points").unwrap_or(ReceivingPoints::Auto.name());
+    let points = ReceivingPoints::ALL.into_iter().find(|p| p.name() == points)?;
     let mut budget = ErrorBudget {
         form_factors: estimate("form_factors")?,
         mesh: estimate("patch_error")?,
@@ -129,6 +134,7 @@ fn parse_row(names: &[&str], line: &str) -> Option<Row> {
         entry: Entry {
             method,
             resolution: u32::try_from(count("resolution")?).ok()?,
+            points,
             patches: count("patches_wanted")? as usize,
         },
         patches: count("patches")? as usize,
@@ -157,7 +163,12 @@ mod tests {
             scene: "a room".into(),
             hash: 0xfeed_0000_0000_0001,
             threads: 2,
-            entry: Entry { method: Method::Hemicube, resolution: 256, patches: 2000 },
+            entry: Entry {
+                method: Method::Hemicube,
+                resolution: 256,
+                points: ReceivingPoints::Sixteen,
+                patches: 2000,
+            },
             patches: 2100,
             seconds: [0.5, 1.25, 0.25, 0.125],
             total_seconds: 2.25,
