@@ -194,6 +194,75 @@ fn with_reflections_and_shadows_the_error_is_that_against_a_far_finer_solve() {
     }
 }
 
+/// Spearman's rank correlation.
+fn rank_correlation(a: &[f64], b: &[f64]) -> f64 {
+    let ranks = |x: &[f64]| {
+        let mut order: Vec<usize> = (0..x.len()).collect();
+        order.sort_by(|&i, &j| x[i].total_cmp(&x[j]));
+        let mut ranks = vec![0.0; x.len()];
+        order.iter().enumerate().for_each(|(rank, &i)| ranks[i] = rank as f64);
+        ranks
+    };
+    let (a, b) = (ranks(a), ranks(b));
+    let middle = (a.len() - 1) as f64 / 2.0;
+    let of = |x: &[f64], y: &[f64]| x.iter().zip(y).map(|(x, y)| (x - middle) * (y - middle)).sum::<f64>();
+    of(&a, &b) / (of(&a, &a) * of(&b, &b)).sqrt()
+}
+
+#[test]
+fn the_map_points_at_the_places_where_a_finer_solve_differs() {
+    let scene = room_with_blocks(0.6).scene();
+    let fine = solved(&scene, &settings(PatchTarget::Count(3000), Method::Lines, 384));
+    let light = fine.light(&scene.lighting());
+    let case = Case::new(solved(&scene, &settings(PatchTarget::Count(500), Method::Lines, 48)));
+    let how = AuditSettings { receivers: 192, seconds: 1e9, precision: 1e-9, ..AuditSettings::default() };
+    let found = study::audit(&case.solved, &scene.lighting(), &how, &|| false).expect("light");
+    let (map, total) = (&found.map.error, found.budget.total.error);
+    let (witness, mesh) = (case.witness(), &case.solved.mesh);
+
+    // The map as a whole holds the total.
+    let receivers = case.receivers();
+    let area: f64 = receivers.iter().map(|&i| mesh.patches[i as usize].area).sum();
+    let square = |&i: &u32| mesh.patches[i as usize].area * f64::from(map[i as usize]).powi(2);
+    let together = (receivers.iter().map(square).sum::<f64>() / area).sqrt();
+    assert!((together / total - 1.0).abs() < 1e-3, "{together} against {total}");
+    assert!(map.iter().enumerate().all(|(i, e)| e.is_nan() != receivers.contains(&(i as u32))));
+
+    const POINTS: u32 = 12;
+    let truth: Vec<f64> = receivers
+        .iter()
+        .map(|&i| {
+            let points = (0..POINTS).map(|k| Sobol::new(u64::from(i) + 7).point(k));
+            let (places, values): (Vec<_>, Vec<f64>) = points
+                .map(|u| witness.point_on(i, u[0], u[1]))
+                .map(|(p, shown)| ((p, mesh.patches[i as usize].normal), shown))
+                .unzip();
+            let exact = fine.irradiance_at(&places, &light);
+            let squares = exact.iter().zip(&values).map(|(&h, v)| (luminance_weighted(h) - v).powi(2));
+            (squares.sum::<f64>() / f64::from(POINTS)).sqrt()
+        })
+        .collect();
+    let told: Vec<f64> = receivers.iter().map(|&i| f64::from(map[i as usize])).collect();
+    let correlation = rank_correlation(&told, &truth);
+    let irradiance: Vec<f64> = receivers
+        .iter()
+        .map(|&i| luminance(case.solved.light(&scene.lighting()).irradiance[i as usize]))
+        .collect();
+    let by_light = rank_correlation(&irradiance, &truth);
+    // The worst tenth of the map holds how much of the true square?
+    let mut order: Vec<usize> = (0..told.len()).collect();
+    order.sort_by(|&a, &b| told[b].total_cmp(&told[a]));
+    let held = |k: usize| mesh.patches[receivers[k] as usize].area * truth[k].powi(2);
+    let tenth: f64 = order.iter().take(told.len() / 10).map(|&k| held(k)).sum();
+    let all: f64 = order.iter().map(|&k| held(k)).sum();
+    println!(
+        "rank correlation {correlation:.3}, of irradiance alone {by_light:.3}; worst tenth {:.3}",
+        tenth / all
+    );
+    assert!(correlation > 0.6, "{correlation}");
+    assert!(tenth > 0.4 * all, "{}", tenth / all);
+}
+
 #[test]
 fn more_lines_and_more_patches_each_lessen_their_own_error() {
     let budget = |patches: usize, lines: u32| {
@@ -251,4 +320,149 @@ fn without_light_there_is_no_error_to_speak_of() {
     assert_eq!(study::audit(&made, &dark, &AuditSettings::default(), &|| false), None);
     let stopped = study::audit(&made, &scene.lighting(), &AuditSettings::default(), &|| true);
     assert_eq!(stopped, None, "a stopped audit tells nothing");
+}
+
+/// Seconds that this thread has computed, where the system tells (Linux): what others do on the machine
+/// does not count.
+fn thread_seconds() -> Option<f64> {
+    let text = std::fs::read_to_string("/proc/thread-self/schedstat").ok()?;
+    Some(text.split_whitespace().next()?.parse::<f64>().ok()? * 1e-9)
+}
+
+/// Of the time since then the part that this thread has computed.
+fn computing_share(since: std::time::Instant, before: Option<f64>) -> f64 {
+    before.zip(thread_seconds()).map_or(1.0, |(a, b)| (b - a) / since.elapsed().as_secs_f64())
+}
+
+/// A solve by one thread, its stages in seconds of computing.
+fn timed(scene: &std::sync::Arc<lumenwalk::scene::Scene>, how: &SolveSettings) -> Solved {
+    let (wall, before) = (std::time::Instant::now(), thread_seconds());
+    let mut made = solved(scene, how);
+    let share = computing_share(wall, before);
+    let t = &mut made.timings;
+    for stage in [&mut t.mesh, &mut t.plan, &mut t.rows, &mut t.balance, &mut t.sweeps] {
+        *stage *= share;
+    }
+    made
+}
+
+#[test]
+#[ignore = "measures for minutes; run it by name with --nocapture"]
+fn times_are_foreseen_within_a_factor_of_1_3() {
+    const RUNS: [(usize, u32); 7] =
+        [(800, 192), (2000, 32), (2000, 96), (2000, 384), (5000, 64), (5000, 192), (12_000, 96)];
+    /// Seconds that a run may be foreseen to take.
+    const LONGEST: f64 = 60.0;
+    let within = |ratio: f64| u32::from((1.0 / 1.3..1.3).contains(&ratio));
+    let mut counted = [0; 3];
+    let pool = rayon::ThreadPoolBuilder::new().num_threads(1).build().expect("a pool");
+    pool.install(|| {
+        for name in ["hemicube", "cornell", "gallery", "house"] {
+            let scene = builtin(name);
+            let how = |patches, lines| settings(PatchTarget::Count(patches), Method::Lines, lines);
+            let first = timed(&scene, &how(800, 48));
+            let mut model = study::CostModel::default();
+            let overhead = study::row_overhead(&first, 48);
+            model.learn(study::Measured::of(&first, 48, overhead, None));
+            println!(
+                "{name}: {} patches first, {:.2} s, rows with an overhead of {overhead:.0} lines",
+                first.mesh.patches.len(),
+                first.timings.solve()
+            );
+            for (patches, lines) in RUNS {
+                let how = how(patches, lines);
+                let (wall, before) = (std::time::Instant::now(), thread_seconds());
+                let mut prepared = lumenwalk::session::prepare(scene.clone(), &how).expect("meshed");
+                let mut trial = study::trial(&prepared);
+                let share = computing_share(wall, before);
+                trial.rows *= share;
+                prepared.timings.mesh *= share;
+                prepared.timings.plan *= share;
+                let count = prepared.mesh.patches.len();
+                let fineness = study::Fineness { patches: count as f64, lines: f64::from(lines) };
+                let before_it = model.seconds(fineness).expect("learnt");
+                let meshed = model.seconds_of(&prepared, &trial).expect("learnt");
+                if before_it > LONGEST {
+                    continue;
+                }
+                let t = timed(&scene, &how).timings;
+                let ratios = [before_it, meshed].map(|s| s / t.solve());
+                println!(
+                    "{name} {count} patches {lines} lines: {:.2} s (mesh {:.2}, rows {:.2}, balance {:.2}, \
+                     sweeps {:.2}), foreseen {:.2} times as long, once meshed {:.2}",
+                    t.solve(),
+                    t.mesh + t.plan,
+                    t.rows,
+                    t.balance,
+                    t.sweeps,
+                    ratios[0],
+                    ratios[1]
+                );
+                counted[0] += 1;
+                counted[1] += within(ratios[0]);
+                counted[2] += within(ratios[1]);
+            }
+        }
+    });
+    let [all, before_it, meshed] = counted;
+    println!("within a factor 1.3: {before_it} of {all}, once meshed {meshed}");
+    assert!(10 * before_it >= 9 * all, "{before_it} of {all}");
+}
+
+#[test]
+#[ignore = "measures for minutes; run it by name with --nocapture"]
+fn an_error_of_one_percent_is_true_and_costs_at_most_twice_the_cheapest() {
+    for name in ["hemicube", "cornell"] {
+        let scene = builtin(name);
+        let lighting = scene.lighting();
+        let started = std::time::Instant::now();
+        let goal = study::Goal::Error(0.01);
+        let observer = &mut |_: study::News<'_>| lumenwalk::session::Control::Continue;
+        let effects = lumenwalk::effects::EffectChoices::default();
+        let reached =
+            study::reach(&scene, &lighting, goal, &effects, started, 8.0, observer).expect("solved");
+        let budget = reached.budget.expect("light");
+        let solves: f64 = reached.attempts.iter().map(|a| a.seconds).sum();
+        for a in &reached.attempts {
+            let told = a.budget.map_or(f64::NAN, |b| 100.0 * b.total.error);
+            let foreseen = 100.0 * a.predicted_error.unwrap_or(f64::NAN);
+            let (patches, lines, seconds) = (a.patches, a.lines, a.seconds);
+            println!(
+                "  {patches} patches, {lines} lines: {seconds:.2} s, {told:.2} % ({foreseen:.2} % foreseen)"
+            );
+        }
+
+        let fine = solved(&scene, &settings(PatchTarget::Count(14_000), Method::Lines, 384));
+        let light = fine.light(&lighting);
+        let truth = |places: &[(DVec3, DVec3)]| {
+            fine.irradiance_at(places, &light).into_iter().map(luminance_weighted).collect()
+        };
+        let case = Case::new(reached.solved);
+        let error = case.true_error(2, budget.mean_irradiance, &truth);
+        println!(
+            "{name}: true {:.3} %, told {:.3} %; {solves:.1} s of solves, {:.1} s in all",
+            100.0 * error,
+            100.0 * budget.total.error,
+            reached.seconds
+        );
+        assert!(reached.met && error < 0.01, "{error}");
+
+        let cheapest = study::entries(2300)
+            .into_iter()
+            .filter(|e| e.method == Method::Lines && (64..=128).contains(&e.resolution) && e.patches > 6000)
+            .filter_map(|entry| {
+                let mut go_on =
+                    |_: Option<&lumenwalk::session::Progress<'_>>| lumenwalk::session::Control::Continue;
+                let row = study::measure(&scene, &lighting, entry, &mut go_on).expect("solved");
+                let told = 100.0 * row.budget.total.error;
+                println!(
+                    "  entry {} x {}: {:.1} s, {told:.2} %",
+                    row.patches, entry.resolution, row.total_seconds
+                );
+                (row.budget.total.error <= 0.01).then_some(row.total_seconds)
+            })
+            .fold(f64::INFINITY, f64::min);
+        println!("{name}: {solves:.1} s of solves against {cheapest:.1} s of the cheapest entry");
+        assert!(solves < 2.0 * cheapest, "{solves} against {cheapest}");
+    }
 }

@@ -2,7 +2,9 @@
 
 use super::algebraic::gathered;
 use super::interval::{Estimate, Sample, estimate};
+use super::map::{ErrorMap, Signs, map};
 use super::sobol::{mix, unit};
+use super::spread::{DARKEST, Spread, spread};
 use super::witness::{Receiver, Shown, Witness};
 use super::{AlgebraicError, algebraic_error};
 use crate::form_factors::FormFactors;
@@ -40,6 +42,9 @@ pub struct AuditSettings {
     pub resolve: f64,
     /// It ends after about this many seconds with what it has.
     pub seconds: f64,
+    /// Rays are cast until their noise at a point is below this part of the light there, time allowing;
+    /// above zero. [`Spread`] is blurred by as much.
+    pub local_noise: f64,
     /// Receivers at most; 64 or more.
     pub receivers: usize,
     /// It ends as soon as the total's interval lies on one side of this.
@@ -56,6 +61,7 @@ impl Default for AuditSettings {
             precision: 0.1,
             parts: false,
             resolve: 5e-4,
+            local_noise: 5e-3,
             seconds: 10.0,
             receivers: 4096,
             decide: None,
@@ -89,6 +95,8 @@ pub struct ErrorBudget {
     /// As `total`, but relative to the irradiance shown at each place where that is more than the mean:
     /// a lamp's close surroundings do not rule it.
     pub local: Estimate,
+    /// How the error as shown is spread over the area.
+    pub spread: Spread,
     /// Mean luminance of irradiance over the receiving area, W/m².
     pub mean_irradiance: f64,
     /// Receivers asked.
@@ -108,6 +116,10 @@ pub struct Checked {
     pub weight: f64,
     /// What the picture shows at a point of it less the truth, over the mean irradiance.
     pub shown: f64,
+    /// Square of `shown`, free of the witness' noise on average; may be negative.
+    pub square: f64,
+    /// What the picture shows less the truth, over the truth ([`DARKEST`] of the mean at least).
+    pub of_light: f64,
     /// What its row gathers less the truth, over the mean irradiance.
     pub form_factors: f64,
 }
@@ -119,6 +131,8 @@ pub struct Findings {
     pub budget: ErrorBudget,
     /// Where they were looked for.
     pub receivers: Vec<Checked>,
+    /// An estimate of where the picture is wrong, a value a patch.
+    pub map: ErrorMap,
 }
 
 /// What one receiver brought: samples of the four errors.
@@ -130,6 +144,7 @@ struct Found {
     total: Sample,
     averages: Sample,
     local: Sample,
+    of_light: f64,
     /// Rays cast.
     rays: u64,
 }
@@ -139,6 +154,8 @@ struct Found {
 struct Care {
     /// Squared noise of the witness to aim at for a patch mean and for a point, relative.
     noise: [f64; 2],
+    /// Noise to aim at at a point, of the light there.
+    local: f64,
     /// Rays along the cosine that one gathering has at least and at most.
     rays: [u32; 2],
 }
@@ -239,7 +256,7 @@ impl<'a> Audit<'a> {
             &self.counts,
             self.mean,
         );
-        let rough = Care { noise: [f64::INFINITY; 2], rays: [PILOT_RAYS; 2] };
+        let rough = Care { noise: [f64::INFINITY; 2], local: f64::INFINITY, rays: [PILOT_RAYS; 2] };
         let pilot_clock = Instant::now();
         let pilot = self.batch(PILOT, rough, mix(settings.seed), settings.parallel, &out_of_time);
         let rays_per_second = count_rays(&pilot) as f64 / pilot_clock.elapsed().as_secs_f64().max(1e-6);
@@ -278,12 +295,14 @@ impl<'a> Audit<'a> {
         total.low = with(total.low, solver.estimate.low);
         total.high = with(total.high, solver.estimate.high);
         let count = found.len() as f64;
-        let receivers = found
+        let receivers: Vec<Checked> = found
             .iter()
             .map(|f| Checked {
                 patch: f.patch,
                 weight: f.total.weight / count,
                 shown: f.total.deviation,
+                square: f.total.square,
+                of_light: f.of_light,
                 form_factors: f.form_factors.deviation,
             })
             .collect();
@@ -294,12 +313,32 @@ impl<'a> Audit<'a> {
             total,
             averages: self.estimate(&found, |f| f.averages),
             local: self.estimate(&found, |f| f.local),
+            spread: spread(&receivers, self.answer.mesh, &self.counts),
             mean_irradiance: self.mean,
             receivers: found.len(),
             rays,
             seconds: clock.elapsed().as_secs_f64(),
         };
-        Some(Findings { budget, receivers })
+        let map = map(self.answer.mesh, &self.counts, &self.signs(), &receivers, budget.total.error);
+        Some(Findings { budget, receivers, map })
+    }
+
+    /// What each patch shows of its error by itself.
+    fn signs(&self) -> Vec<Signs> {
+        let own = |i: usize| luminance_weighted(self.answer.light.irradiance[i].map(f64::from));
+        (0..self.counts.len())
+            .map(|i| {
+                if !self.counts[i] {
+                    return Signs::default();
+                }
+                let [low, high] = self.witness.shown_range(i as u32);
+                let departure = self.witness.shown_mean(i as u32) - own(i);
+                [high - low, departure, own(i)].map(|x| {
+                    let square = (x / self.mean).powi(2);
+                    if square.is_finite() { square } else { 0.0 }
+                })
+            })
+            .collect()
     }
 
     fn estimate(&self, found: &[Found], of: impl Fn(&Found) -> Sample) -> Estimate {
@@ -316,7 +355,7 @@ impl<'a> Audit<'a> {
         let noise = [mean(&|f| f.form_factors.square), mean(&|f| f.total.square)].map(|e| e.max(least));
         // A receiver casts five times as many rays as one gathering has along the cosine.
         let most = (rays_left / (5.0 * FEWEST)).clamp(f64::from(TRIAL_RAYS) + 1.0, f64::from(MOST_RAYS));
-        Care { noise, rays: [TRIAL_RAYS, most as u32] }
+        Care { noise, local: settings.local_noise, rays: [TRIAL_RAYS, most as u32] }
     }
 
     /// Asks one receiver out of each of `count` strata of equal probability; those that there is time
@@ -381,7 +420,9 @@ impl<'a> Audit<'a> {
             cast += TRIALS * with_lamps(TRIAL_RAYS);
             let mean = values.iter().sum::<f64>() / TRIALS as f64;
             let variance = values.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / (TRIALS - 1) as f64;
-            let factor = (variance / care.noise[kind]).powf(1.0 / 1.5);
+            let local = care.local * mean.max(DARKEST);
+            let aim = if kind == 1 { care.noise[1].min(local * local) } else { care.noise[kind] };
+            let factor = (variance / aim).powf(1.0 / 1.5);
             (f64::from(TRIAL_RAYS) * factor).clamp(f64::from(care.rays[0]), f64::from(care.rays[1])) as u32
         });
 
@@ -403,6 +444,7 @@ impl<'a> Audit<'a> {
             let deviation = 0.5 * (a + b);
             Sample { weight, square: a * b, deviation, reflected: rho * deviation }
         };
+        let truth = relative(0.5 * (there[0].shown + there[1].shown));
         Some(Found {
             patch,
             form_factors: sample([0, 1].map(|k| by_row - whole[k].constant)),
@@ -410,6 +452,7 @@ impl<'a> Audit<'a> {
             total: sample([0, 1].map(|k| shown - there[k].shown)),
             averages: sample([0, 1].map(|k| by_row - whole[k].shown)),
             local: sample([0, 1].map(|k| (shown - there[k].shown) / relative(shown).max(1.0))),
+            of_light: (relative(shown) - truth) / truth.max(DARKEST),
             rays: cast,
         })
     }

@@ -32,11 +32,15 @@
 mod algebraic;
 mod audit;
 mod interval;
+mod map;
 mod sobol;
+mod spread;
 mod witness;
 
 pub use algebraic::{AlgebraicError, algebraic_error};
 pub use audit::{Answer, Audit, AuditSettings, Checked, ErrorBudget, Findings, Interreflection};
 pub use interval::{Estimate, Sample, estimate};
+pub use map::ErrorMap;
 pub use sobol::Sobol;
+pub use spread::{DARKEST, Dominant, LEVELS, Ranged, Spread};
 pub use witness::{Receiver, Shown, Witness};

@@ -160,6 +160,17 @@ impl<'a> Witness<'a> {
         })
     }
 
+    /// Mean irradiance that the picture shows over a patch, W/m² of luminance; zero without triangles.
+    pub fn shown_mean(&self, patch: u32) -> f64 {
+        let side = self.mesh.patches[patch as usize].side as usize;
+        let mut before = 0.0;
+        let parts = self.triangles_of(patch).iter().map(|&(t, share)| {
+            let part = share - std::mem::replace(&mut before, share);
+            part * self.shown[2 * t as usize + side].iter().map(|&h| f64::from(h)).sum::<f64>() / 3.0
+        });
+        parts.sum()
+    }
+
     fn triangles_of(&self, patch: u32) -> &[(u32, f64)] {
         let p = patch as usize;
         &self.patch_triangles[self.starts[p] as usize..self.starts[p + 1] as usize]

@@ -3,6 +3,7 @@ use super::failure::Failure;
 use super::options::EffectOptions;
 use super::progress::ProgressLine;
 use super::{budget, solve, text};
+use crate::form_factors::ReceivingPoints;
 use crate::mesh::{self, MeshSettings};
 use crate::scene::Scene;
 use crate::session::{Control, PipelineError};
@@ -11,7 +12,7 @@ use clap::Args;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-/// Measure what accuracy costs in a scene: methods, resolutions and patch sizes against each other
+/// Measure what accuracy costs in a scene: methods, resolutions, receiving points and patch sizes
 ///
 /// Writes accuracy.csv, accuracy.svg and accuracy.png. What stands in accuracy.csv for the same scene
 /// already is not measured again, so that an interrupted run goes on where it ended.
@@ -66,7 +67,11 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
             continue;
         }
         let clock = Instant::now();
-        let what = format!("{} {}, {} patches", entry.method.name(), entry.resolution, entry.patches);
+        let points = match entry.points {
+            ReceivingPoints::Auto => String::new(),
+            fixed => format!(", receiving points {}", fixed.name()),
+        };
+        let what = format!("{} {}{points}, {} patches", entry.method.name(), entry.resolution, entry.patches);
         let share = (known + done) as f64 / all.len() as f64;
         let measured = study::measure(&scene, &lighting, entry, &mut |progress| {
             line.sweep(share, &what, progress);
@@ -118,6 +123,7 @@ fn front(rows: &[table::Row]) -> String {
     let names = [
         "method",
         "resolution",
+        "points",
         "patches",
         "seconds",
         "form factors",
@@ -132,6 +138,7 @@ fn front(rows: &[table::Row]) -> String {
         lines.push(vec![
             r.entry.method.name().into(),
             r.entry.resolution.to_string(),
+            r.entry.points.name().into(),
             text::thousands(r.patches),
             format!("{:.2}", r.total_seconds),
             percent(b.form_factors.error),

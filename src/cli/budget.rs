@@ -1,9 +1,11 @@
 use super::failure::Failure;
 use super::progress::ProgressLine;
 use super::text;
-use crate::accuracy::{AuditSettings, ErrorBudget, Estimate};
+use crate::accuracy::{AuditSettings, ErrorBudget, Estimate, LEVELS, Ranged};
 use crate::effects::EffectChoices;
-use crate::export::{AccuracyReport, AttemptReport, ErrorReport, GoalReport};
+use crate::export::{
+    AccuracyReport, AreaReport, AttemptReport, DominantReport, ErrorReport, GoalReport, RangeReport,
+};
 use crate::scene::{LUMINOUS_EFFICACY, Lighting, Scene};
 use crate::session::{Control, Solved, Timings, available_bytes};
 use crate::study::{self, Goal, News, Reached};
@@ -41,7 +43,7 @@ pub(super) fn reach(
 }
 
 /// The budget in a few lines.
-pub(super) fn lines(budget: &ErrorBudget) -> String {
+pub(super) fn lines(budget: &ErrorBudget, scene: &Scene) -> String {
     let line = |name: &str, e: Estimate| {
         vec![format!("  {name}"), percent(e.error), format!("({} to {})", percent(e.low), percent(e.high))]
     };
@@ -60,7 +62,31 @@ pub(super) fn lines(budget: &ErrorBudget) -> String {
         text::thousands(budget.rays as usize),
         text::seconds(budget.seconds),
         text::table(&rows)
-    )
+    ) + &spread_lines(budget, scene)
+}
+
+/// How the error is spread over the area, and where most of it sits.
+fn spread_lines(budget: &ErrorBudget, scene: &Scene) -> String {
+    let spread = &budget.spread;
+    let shares = spread
+        .within
+        .iter()
+        .zip(LEVELS)
+        .map(|(within, level)| format!("{:.0} % within {:.0} %", 100.0 * within.value, 100.0 * level));
+    let mut told = format!(
+        "of the light at each place: half of the area is off by less than {}; {}\n",
+        percent(spread.median.value),
+        shares.collect::<Vec<_>>().join(", ")
+    );
+    if let Some(most) = spread.dominant {
+        let name = scene.objects.get(most.object as usize).map_or("", String::as_str);
+        told += &format!(
+            "most of the squares: {:.0} % on {name}, {} of the area\n",
+            100.0 * most.share,
+            percent(most.area)
+        );
+    }
+    told
 }
 
 /// The solves on the way to a goal and its verdict.
@@ -89,6 +115,7 @@ pub(super) fn percent(share: f64) -> String {
 /// The budget as the report holds it, with what each error cost.
 pub(super) fn report(
     budget: &ErrorBudget,
+    scene: &Scene,
     timings: &Timings,
     goal: Option<(Goal, &Reached)>,
 ) -> AccuracyReport {
@@ -98,6 +125,7 @@ pub(super) fn report(
         high: Some(100.0 * e.high).filter(|h| h.is_finite()),
         seconds,
     };
+    let range = |r: Ranged| RangeReport { value: 100.0 * r.value, low: 100.0 * r.low, high: 100.0 * r.high };
     AccuracyReport {
         form_factors: error(budget.form_factors, Some(timings.rows + timings.balance)),
         patches: error(budget.mesh, Some(timings.mesh)),
@@ -106,6 +134,20 @@ pub(super) fn report(
         as_shown: error(budget.total, None),
         patch_averages: error(budget.averages, None),
         of_the_light_there: error(budget.local, None),
+        median_percent: range(budget.spread.median),
+        area_within: budget
+            .spread
+            .within
+            .iter()
+            .zip(LEVELS)
+            .map(|(within, level)| AreaReport { error_percent: 100.0 * level, area_percent: range(*within) })
+            .collect(),
+        dominant: budget.spread.dominant.map(|most| DominantReport {
+            object: scene.objects.get(most.object as usize).cloned().unwrap_or_default(),
+            percent_of_squares: 100.0 * most.share,
+            percent_of_area: 100.0 * most.area,
+            patch: most.patch,
+        }),
         mean_illuminance_lx: LUMINOUS_EFFICACY * budget.mean_irradiance,
         receivers: budget.receivers,
         rays: budget.rays,

@@ -218,15 +218,15 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
             total: start.elapsed().as_secs_f64(),
         };
         let others = arguments.outputs().filter(|other| other != path).map(|o| o.display().to_string());
-        let accuracy =
-            audited.map(|found| budget::report(&found, &solved.timings, goal.zip(reached.as_ref())));
+        let accuracy = audited
+            .map(|found| budget::report(&found, &solved.scene, &solved.timings, goal.zip(reached.as_ref())));
         let mut report = report::report(&solved, &settings, &lighting, &light, own, others.collect());
         report.accuracy = accuracy;
         export::write_report(path, &report)?;
     }
     let mut told = summary(&solved, &settings, solve_seconds);
     if let Some(found) = &audited {
-        told += &budget::lines(found);
+        told += &budget::lines(found, &solved.scene);
     }
     if let Some(reached) = &reached {
         told += &budget::verdict_lines(reached);

@@ -58,8 +58,12 @@ pub struct Chart {
 }
 
 const PANEL: [f64; 2] = [500.0, 430.0];
+/// Above the panels, with a legend of one line.
 const TOP: f64 = 64.0;
 const BOTTOM: f64 = 34.0;
+/// Left end of the legend, and from one line of it to the next.
+const LEFT: f64 = 24.0;
+const LEGEND_LINE: f64 = 20.0;
 /// Room for axis texts: left, right, above, below.
 const MARGIN: [f64; 4] = [66.0, 22.0, 34.0, 52.0];
 const INK: &str = "#2b2b2b";
@@ -67,50 +71,77 @@ const FAINT: &str = "#767676";
 /// Pixels a unit in the PNG.
 const PNG_SCALE: f32 = 2.0;
 
+/// A name of the legend and its place.
+struct LegendEntry<'a> {
+    name: &'a str,
+    /// `None` for the ring that marks the front.
+    colour: Option<&'a str>,
+    /// Left end.
+    x: f64,
+    /// Counted from above.
+    line: usize,
+}
+
 impl Chart {
     /// The whole chart as an SVG document.
     pub fn svg(&self) -> String {
         let width = PANEL[0] * self.panels.len().max(1) as f64;
-        let height = TOP + PANEL[1] + BOTTOM;
+        let top = TOP + LEGEND_LINE * (self.legend_places(width).0 - 1) as f64;
+        let height = top + PANEL[1] + BOTTOM;
         let mut svg = format!(
             "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{width}\" height=\"{height}\" \
              viewBox=\"0 0 {width} {height}\" font-family=\"Ubuntu, Helvetica, Arial, sans-serif\">\n\
              <rect width=\"{width}\" height=\"{height}\" fill=\"#ffffff\"/>\n"
         );
         text(&mut svg, [24.0, 28.0], 17.0, INK, "start", &self.title);
-        self.legend(&mut svg);
+        self.legend(&mut svg, width);
         for (index, panel) in self.panels.iter().enumerate() {
-            panel.draw(&mut svg, [PANEL[0] * index as f64, TOP]);
+            panel.draw(&mut svg, [PANEL[0] * index as f64, top]);
         }
         text(&mut svg, [24.0, height - 14.0], 11.0, FAINT, "start", &self.note);
         svg.push_str("</svg>\n");
         svg
     }
 
-    fn legend(&self, svg: &mut String) {
-        let mut x = 24.0;
-        let mut known: Vec<&str> = Vec::new();
+    /// Lines of the legend, and what stands in it.
+    fn legend_places(&self, width: f64) -> (usize, Vec<LegendEntry<'_>>) {
+        let mut names: Vec<(&str, Option<&str>)> = Vec::new();
         for series in self.panels.iter().flat_map(|p| &p.series) {
-            if known.contains(&series.name.as_str()) {
-                continue;
+            if names.iter().all(|(known, _)| *known != series.name) {
+                names.push((&series.name, Some(series.colour)));
             }
-            known.push(&series.name);
-            let colour = series.colour;
-            let _ = writeln!(
-                svg,
-                "<path d=\"M{x} 47h22\" stroke=\"{colour}\" stroke-width=\"2.4\"/>\
-                 <circle cx=\"{}\" cy=\"47\" r=\"3.4\" fill=\"{colour}\"/>",
-                x + 11.0
-            );
-            text(svg, [x + 29.0, 51.0], 12.5, INK, "start", &series.name);
-            x += 29.0 + 7.0 * series.name.chars().count() as f64 + 26.0;
         }
-        let _ = writeln!(
-            svg,
-            "<circle cx=\"{}\" cy=\"47\" r=\"6.5\" fill=\"none\" stroke=\"{INK}\" stroke-width=\"1.2\"/>",
-            x + 11.0
-        );
-        text(svg, [x + 25.0, 51.0], 12.5, INK, "start", "best for its time");
+        names.push(("best for its time", None));
+        let (mut x, mut line) = (LEFT, 0);
+        let mut places = Vec::new();
+        for (name, colour) in names {
+            let wide = 29.0 + 7.0 * name.chars().count() as f64;
+            if x > LEFT && x + wide > width {
+                (x, line) = (LEFT, line + 1);
+            }
+            places.push(LegendEntry { name, colour, x, line });
+            x += wide + 26.0;
+        }
+        (line + 1, places)
+    }
+
+    fn legend(&self, svg: &mut String, width: f64) {
+        for LegendEntry { name, colour, x, line } in self.legend_places(width).1 {
+            let (y, middle) = (47.0 + LEGEND_LINE * line as f64, x + 11.0);
+            let mark = match colour {
+                Some(colour) => format!(
+                    "<path d=\"M{x} {y}h22\" stroke=\"{colour}\" stroke-width=\"2.4\"/>\
+                     <circle cx=\"{middle}\" cy=\"{y}\" r=\"3.4\" fill=\"{colour}\"/>"
+                ),
+                None => format!(
+                    "<circle cx=\"{middle}\" cy=\"{y}\" r=\"6.5\" fill=\"none\" stroke=\"{INK}\" \
+                     stroke-width=\"1.2\"/>"
+                ),
+            };
+            svg.push_str(&mark);
+            svg.push('\n');
+            text(svg, [x + 29.0, y + 4.0], 12.5, INK, "start", name);
+        }
     }
 
     /// Writes the chart as SVG.

@@ -20,7 +20,7 @@ pub use ply::{LitMesh, write_ply};
 pub use png::write_png;
 pub use points::{PointsError, SurfacePoint, parse_points, read_points, write_irradiance};
 pub use report::{
-    AccuracyReport, AttemptReport, EffectReport, ErrorReport, FindingReport, FormFactorReport, GoalReport,
-    LampReport, MaterialReport, MeshReport, PowerReport, Report, SceneReport, SettingsReport, SweepLine,
-    TimingReport, peak_memory_bytes, write_report,
+    AccuracyReport, AreaReport, AttemptReport, DominantReport, EffectReport, ErrorReport, FindingReport,
+    FormFactorReport, GoalReport, LampReport, MaterialReport, MeshReport, PowerReport, RangeReport, Report,
+    SceneReport, SettingsReport, SweepLine, TimingReport, peak_memory_bytes, write_report,
 };

@@ -255,6 +255,12 @@ pub struct AccuracyReport {
     pub patch_averages: ErrorReport,
     /// Of the irradiance as shown, relative to that at each place where it is more than the mean.
     pub of_the_light_there: ErrorReport,
+    /// Half of the area is off by less, percent of the light at each place.
+    pub median_percent: RangeReport,
+    /// Shares of the area that are off by less, of the light at each place.
+    pub area_within: Vec<AreaReport>,
+    /// The object that most of the mean square sits on; `null` where there is none.
+    pub dominant: Option<DominantReport>,
     /// What percents are of, lx.
     pub mean_illuminance_lx: f64,
     /// Receivers asked.
@@ -265,6 +271,39 @@ pub struct AccuracyReport {
     pub audit_seconds: f64,
     /// The goal of the solve; `null` where none was named.
     pub goal: Option<GoalReport>,
+}
+
+/// A percentage with its 95 % interval.
+#[derive(Clone, Copy, Debug, Serialize)]
+pub struct RangeReport {
+    /// The estimate.
+    pub value: f64,
+    /// Lower end.
+    pub low: f64,
+    /// Upper end.
+    pub high: f64,
+}
+
+/// How much of the area is off by less than an error.
+#[derive(Clone, Copy, Debug, Serialize)]
+pub struct AreaReport {
+    /// The error, percent of the light at each place.
+    pub error_percent: f64,
+    /// The share of the receiving area, percent.
+    pub area_percent: RangeReport,
+}
+
+/// Where most of the error sits.
+#[derive(Clone, Debug, Serialize)]
+pub struct DominantReport {
+    /// Name of the object.
+    pub object: String,
+    /// Its share of the mean square of the error as shown.
+    pub percent_of_squares: f64,
+    /// Its share of the receiving area.
+    pub percent_of_area: f64,
+    /// The patch of it that weighs most among those asked.
+    pub patch: u32,
 }
 
 /// What the user asked for and what came of it.

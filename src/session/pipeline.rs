@@ -94,6 +94,13 @@ pub struct Timings {
     pub sweeps: f64,
 }
 
+impl Timings {
+    /// All of a solve, from meshing to the last sweep; reading the model is left out.
+    pub fn solve(&self) -> f64 {
+        self.mesh + self.plan + self.rows + self.balance + self.sweeps
+    }
+}
+
 /// What an observer of a running solve is told, some ten times a second and at every change of stage.
 pub struct Progress<'a> {
     /// Where it stands.

@@ -3,18 +3,23 @@
 use super::sweep::pareto;
 use super::table::Row;
 use crate::export::{Chart, ChartPoint, Panel, Series};
-use crate::form_factors::Method;
+use crate::form_factors::{Method, ReceivingPoints};
 
-const METHODS: [(Method, &str, &str); 4] = [
-    (Method::Lines, "lines", "#cf6a17"),
-    (Method::Hemicube, "hemicube", "#2c6fb3"),
-    (Method::AlignedHemicube, "hemicube (1985)", "#8a5fb0"),
-    (Method::Rays, "rays", "#5f9150"),
+/// Curves: method, receiving points, name and colour.
+const CURVES: [(Method, ReceivingPoints, &str, &str); 8] = [
+    (Method::Lines, ReceivingPoints::Auto, "lines", "#cf6a17"),
+    (Method::Lines, ReceivingPoints::One, "lines, 1 point", "#e6b48a"),
+    (Method::Lines, ReceivingPoints::Sixteen, "lines, 16 points", "#8c4209"),
+    (Method::Hemicube, ReceivingPoints::Auto, "hemicube, turned", "#2c6fb3"),
+    (Method::Hemicube, ReceivingPoints::Sixteen, "hemicube, turned, 16 points", "#173f68"),
+    (Method::AlignedHemicube, ReceivingPoints::One, "hemicube (1985)", "#8a5fb0"),
+    (Method::AlignedHemicube, ReceivingPoints::Sixteen, "hemicube (1985), 16 points", "#553a70"),
+    (Method::Rays, ReceivingPoints::Auto, "rays", "#5f9150"),
 ];
 
 /// Draws the rows of one scene. Left: the error of form factors against the seconds of the rows, at
 /// the scene's usual number of patches (that with most rows). Right: the error as shown against all
-/// seconds, a curve through the best of each method.
+/// seconds, a curve through the best of each method and number of receiving points.
 pub fn chart(rows: &[Row]) -> Chart {
     let scene = rows.first().map_or("", |row| row.scene.as_str());
     let threads = rows.first().map_or(1, |row| row.threads);
@@ -57,10 +62,11 @@ fn panel(
     };
     let places: Vec<[f64; 2]> = rows.iter().map(|r| place(r)).collect();
     let front = pareto(&places).into_iter().map(|i| places[i]).collect();
-    let series = METHODS
+    let series = CURVES
         .into_iter()
-        .filter_map(|(method, name, colour)| {
-            let mut own: Vec<&Row> = rows.iter().copied().filter(|r| r.entry.method == method).collect();
+        .filter_map(|(method, points, name, colour)| {
+            let is_own = |r: &&Row| r.entry.method == method && r.entry.points == points;
+            let mut own: Vec<&Row> = rows.iter().copied().filter(is_own).collect();
             own.retain(|r| place(r).iter().all(|v| *v > 0.0));
             own.sort_by(|a, b| place(a)[0].total_cmp(&place(b)[0]));
             let best = pareto(&own.iter().map(|r| place(r)).collect::<Vec<_>>());

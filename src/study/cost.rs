@@ -1,9 +1,8 @@
 //! What a solve will cost and how wrong it will be, from solves that were measured.
 
+use super::trial::Trial;
 use crate::accuracy::ErrorBudget;
 use crate::session::{Prepared, Solved, Timings};
-use rayon::prelude::*;
-use std::time::Instant;
 
 /// How fine a solve is: what its cost and its error depend on.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -23,6 +22,10 @@ pub struct Measured {
     pub timings: Timings,
     /// Stored form factors.
     pub entries: f64,
+    /// Right-hand sides: bands of each lamp.
+    pub columns: f64,
+    /// What one row costs besides its lines, as lines; see [`super::row_overhead`].
+    pub overhead: f64,
     /// Form factors and visibility, relative.
     pub form_factors: f64,
     /// Patches, relative.
@@ -33,8 +36,11 @@ pub struct Measured {
 
 /// Extrapolates cost and error from measured solves of one scene on this machine.
 ///
-/// Rows cost by their lines and a little by how many patches a line crosses; the rest of a solve costs
-/// by its form factors, which grow with the square of the patches. Errors fall by powers: those of
+/// Rows cost by their lines, with an overhead that is tried out, and a little by how many patches a line
+/// crosses. Form factors grow with the square of the patches, as far as lines find them. Balancing them
+/// and sweeping costs by their number; on top of that come close pairs, by the number of patches, and the
+/// power balance, by the pairs of its parts. The shares are those of benches; how fast this machine is
+/// and how many close pairs a scene has follows from the solves measured. Errors fall by powers: those of
 /// form factors with lines and patches, that of the mesh with patches, its power fitted where two
 /// audits tell it.
 #[derive(Clone, Debug, Default)]
@@ -42,27 +48,53 @@ pub struct CostModel {
     measured: Vec<Measured>,
 }
 
-/// What one row costs besides its lines, as lines.
-const LINES_OF_A_ROW: f64 = 24.0;
-/// Power of the patches in the cost of a row.
-const ROW_GROWTH: f64 = 0.25;
+/// Power of the patches in the cost of a row and of a mesh.
+const ROW_GROWTH: f64 = 0.33;
+const MESH_GROWTH: f64 = 0.5;
+/// Of the pairs that see each other lines find 1 - exp(-this times lines over the root of the patches):
+/// fitted to six meshes of two scenes, within 5 %.
+const FOUND: f64 = 1.5;
+/// Seconds a form factor on the machine of the benches: balancing it; sweeping it for no column and for
+/// each further one; once more where the power balance is built of it.
+const BALANCE: f64 = 8e-8;
+const SWEEPS: [f64; 2] = [7e-9, 4e-9];
+const AGGREGATE: f64 = 1.6e-7;
+/// Form factors stored over those that rows hold: seen in six meshes of two scenes.
+const BOTH: f64 = 1.15;
+/// Patches up to which each is a part of the power balance by itself, and about how many parts there
+/// are beyond.
+const ALL_PARTS: f64 = 2048.0;
+const PARTS: f64 = 1200.0;
 /// Powers by which errors fall.
 const BY_LINES: f64 = 1.1;
 const FORM_FACTORS_BY_PATCHES: f64 = 0.35;
 const MESH_BY_PATCHES: f64 = 0.6;
+/// The power is fitted to solves whose patches differ by this factor.
+const APART: f64 = 2.5;
+/// More patches than this times those measured are far: on the way there lies a step, apart enough.
+const FAR: f64 = 7.0;
 
 impl Measured {
-    /// Of a finished solve by lines with its budget; errors unknown without one.
-    pub fn of(solved: &Solved, lines: u32, budget: Option<&ErrorBudget>) -> Self {
+    /// Of a finished solve by lines, with the `overhead` of its rows and its budget; errors unknown
+    /// without one.
+    pub fn of(solved: &Solved, lines: u32, overhead: f64, budget: Option<&ErrorBudget>) -> Self {
         let error = |of: &dyn Fn(&ErrorBudget) -> f64| budget.map_or(f64::NAN, of);
         Self {
             fineness: Fineness { patches: solved.mesh.patches.len() as f64, lines: f64::from(lines) },
             timings: solved.timings,
             entries: solved.form_factors.entries() as f64,
+            columns: (solved.bases.lamps * solved.bases.bands) as f64,
+            overhead,
             form_factors: error(&|b| b.form_factors.error),
             mesh: error(&|b| b.mesh.error),
             total: error(&|b| b.total.error),
         }
+    }
+
+    /// Seconds of the power balance and the sweeps on the machine of the benches.
+    fn nominal_sweeps(&self, patches: f64, entries: f64) -> f64 {
+        let parts = if patches <= ALL_PARTS { 1.0 } else { (PARTS / patches).powi(2) };
+        AGGREGATE * entries * parts + (SWEEPS[0] + SWEEPS[1] * self.columns) * entries
     }
 
     fn is_audited(&self) -> bool {
@@ -85,33 +117,42 @@ impl CostModel {
     pub fn seconds(&self, wanted: Fineness) -> Option<f64> {
         let base = self.measured.last()?;
         let patches = wanted.patches / base.fineness.patches;
-        let lines = (wanted.lines + LINES_OF_A_ROW) / (base.fineness.lines + LINES_OF_A_ROW);
+        let lines = (wanted.lines + base.overhead) / (base.fineness.lines + base.overhead);
         let t = &base.timings;
         Some(
-            (t.mesh + t.plan) * patches
+            (t.mesh + t.plan) * patches.powf(MESH_GROWTH)
                 + t.rows * patches.powf(1.0 + ROW_GROWTH) * lines
-                + (t.balance + t.sweeps) * patches * patches,
+                + self.rest(wanted.patches, self.entries(wanted)?)?,
         )
     }
 
-    /// Seconds of a solve whose rows can be tried: times a few of them, spread over the scene.
-    pub fn probe(&self, prepared: &Prepared) -> Option<f64> {
-        const TRIED: usize = 48;
+    /// Form factors of a solve of this fineness.
+    fn entries(&self, wanted: Fineness) -> Option<f64> {
         let base = self.measured.last()?;
-        let n = prepared.mesh.patches.len();
-        let tried: Vec<u32> = (0..TRIED.min(n)).map(|k| (k * n / TRIED.min(n)) as u32).collect();
-        let clock = Instant::now();
-        let entries: usize = tried
-            .par_iter()
-            .map_init(
-                || prepared.computer.scratch(),
-                |scratch, &i| prepared.computer.row(i, scratch).patches.len(),
-            )
-            .sum();
-        let share = n as f64 / tried.len().max(1) as f64;
-        let rows = clock.elapsed().as_secs_f64() * share;
-        let rest = base.timings.balance + base.timings.sweeps;
-        Some(rows + rest * entries as f64 * share / base.entries.max(1.0))
+        let found = |f: &Fineness| 1.0 - (-FOUND * f.lines / f.patches.sqrt()).exp();
+        let growth = (wanted.patches / base.fineness.patches).powi(2);
+        Some(base.entries * growth * found(&wanted) / found(&base.fineness))
+    }
+
+    /// Seconds of balancing and sweeping so many form factors of so many patches.
+    fn rest(&self, patches: f64, entries: f64) -> Option<f64> {
+        let base = self.measured.last()?;
+        let of_base = base.nominal_sweeps(base.fineness.patches, base.entries);
+        // Sweeps depend on nothing but sizes, and tell how fast the machine is.
+        let pace = base.timings.sweeps / of_base.max(f64::MIN_POSITIVE);
+        let close = (base.timings.balance - pace * BALANCE * base.entries).max(0.0);
+        let sweeps = pace * base.nominal_sweeps(patches, entries);
+        // Finer patches have more close pairs, but smaller ones, which are close to fewer.
+        Some(sweeps + pace * BALANCE * entries + close)
+    }
+
+    /// Seconds of a solve that is meshed already, of which some rows were tried; `None` before the first
+    /// solve.
+    pub fn seconds_of(&self, prepared: &Prepared, trial: &Trial) -> Option<f64> {
+        let patches = prepared.mesh.patches.len() as f64;
+        let done = prepared.timings.mesh + prepared.timings.plan;
+        // Pairs that only one of the two sees are stored for both.
+        Some(done + trial.rows + self.rest(patches, BOTH * trial.entries)?)
     }
 
     /// Gigabytes that the form factors need while they are assembled.
@@ -133,18 +174,33 @@ impl CostModel {
         Some(form_factors.hypot(mesh) * factor.clamp(0.5, 1.5))
     }
 
-    /// Fitted to the two audited solves that differ most in patches, within what is plausible.
+    /// The next solve on the way to `wanted`: itself, or one in between that tells how the error falls
+    /// with patches, where that is only assumed and `wanted` is far. As cost grows with the square of the
+    /// patches, the step in between costs little, and going past the mark much.
+    pub fn towards(&self, wanted: Fineness) -> Fineness {
+        let Some(base) = self.measured.last() else { return wanted };
+        if self.knows_its_power() || wanted.patches < FAR * base.fineness.patches {
+            return wanted;
+        }
+        Fineness { patches: (base.fineness.patches * wanted.patches).sqrt(), ..wanted }
+    }
+
+    /// Whether solves tell how the error falls with patches; else it is assumed.
+    pub fn knows_its_power(&self) -> bool {
+        self.fitted_power().is_some()
+    }
+
     fn mesh_power(&self) -> f64 {
+        self.fitted_power().unwrap_or(MESH_BY_PATCHES)
+    }
+
+    /// Fitted to the two audited solves that differ most in patches, within what is plausible.
+    fn fitted_power(&self) -> Option<f64> {
         let audited = || self.measured.iter().filter(|m| m.is_audited() && m.mesh > 0.0);
         let order = |a: &&Measured, b: &&Measured| a.fineness.patches.total_cmp(&b.fineness.patches);
-        let (Some(coarse), Some(fine)) = (audited().min_by(order), audited().max_by(order)) else {
-            return MESH_BY_PATCHES;
-        };
+        let (coarse, fine) = (audited().min_by(order)?, audited().max_by(order)?);
         let ratio = fine.fineness.patches / coarse.fineness.patches;
-        if ratio < 2.5 {
-            return MESH_BY_PATCHES;
-        }
-        ((coarse.mesh / fine.mesh).ln() / ratio.ln()).clamp(0.45, 1.0)
+        (ratio >= APART).then(|| ((coarse.mesh / fine.mesh).ln() / ratio.ln()).clamp(0.45, 1.0))
     }
 
     /// The cheapest fineness whose error stays below `error`, within `gigabytes` and above the patches
@@ -197,6 +253,8 @@ mod tests {
             fineness: Fineness { patches, lines },
             timings: Timings { rows: 1.0, balance: 0.5, sweeps: 0.5, ..Timings::default() },
             entries: 1e6,
+            columns: 3.0,
+            overhead: 24.0,
             form_factors,
             mesh,
             total: form_factors.hypot(mesh),
@@ -220,6 +278,21 @@ mod tests {
     }
 
     #[test]
+    fn seconds_grow_with_patches_and_lines_and_are_those_measured_where_nothing_changes() {
+        let mut model = CostModel::default();
+        let base = measured(1000.0, 64.0, [0.02, 0.05]);
+        model.learn(base);
+        let at = |patches: f64, lines: f64| model.seconds(Fineness { patches, lines }).unwrap();
+        assert!((at(1000.0, 64.0) / base.timings.solve() - 1.0).abs() < 1e-9);
+        assert!(at(1000.0, 128.0) > at(1000.0, 64.0) && at(4000.0, 64.0) > 4.0 * at(1000.0, 64.0));
+        // Rows with a large overhead gain little from fewer lines.
+        let mut slow = CostModel::default();
+        slow.learn(Measured { overhead: 300.0, ..base });
+        let fewer = Fineness { patches: 1000.0, lines: 24.0 };
+        assert!(slow.seconds(fewer).unwrap() > 1.1 * at(1000.0, 24.0));
+    }
+
+    #[test]
     fn memory_bounds_the_patches() {
         let mut model = CostModel::default();
         model.learn(measured(1000.0, 64.0, [0.02, 0.5]));
@@ -236,6 +309,13 @@ mod tests {
         model.learn(measured(4000.0, 64.0, [0.001, 0.02]));
         // Mesh error as 1 / n: a quarter of the error at four times the patches.
         let at = model.error(Fineness { patches: 16_000.0, lines: 64.0 }).unwrap();
+        let far = Fineness { patches: 64_000.0, lines: 64.0 };
+        assert_eq!(model.towards(far), far, "the power is known");
+        let mut unsure = CostModel::default();
+        unsure.learn(measured(1000.0, 64.0, [0.001, 0.08]));
+        assert_eq!(unsure.towards(far).patches, 8000.0);
+        let near = Fineness { patches: 5000.0, ..far };
+        assert_eq!(unsure.towards(near), near);
         assert!((at / 0.005 - 1.0).abs() < 0.05, "{at}");
     }
 }

@@ -2,6 +2,7 @@
 
 use super::audited::audit;
 use super::cost::{CostModel, Fineness, Limits, Measured};
+use super::trial::{row_overhead, trial};
 use crate::accuracy::{AuditSettings, ErrorBudget};
 use crate::effects::EffectChoices;
 use crate::form_factors::{AssembleReport, FormFactors, Method, ReceivingPoints};
@@ -77,10 +78,13 @@ pub enum News<'a> {
 const FIRST: (usize, u32) = (800, 48);
 /// Solves at most on the way to an error.
 const MOST_SOLVES: usize = 6;
-/// Aims at this part of the error asked for, since predictions err.
-const AIM: f64 = 0.85;
+/// Aims at this part of the error asked for, since predictions err: while it is only assumed how the
+/// error falls, and once it is known.
+const AIM: [f64; 2] = [0.85, 0.93];
 /// Of the seconds left a solve may be foreseen to take this part.
 const TIME_AIM: f64 = 0.7;
+/// Noise that the shares of area may have of rays in these audits, which a user waits for.
+const QUICK_NOISE: f64 = 0.02;
 /// Patches never exceed this.
 const MOST_PATCHES: f64 = 400_000.0;
 
@@ -166,6 +170,7 @@ pub fn reach(
             Goal::Error(error) => AuditSettings {
                 precision: 0.1,
                 resolve: 0.2 * error,
+                local_noise: QUICK_NOISE,
                 seconds: (2.0 * seconds).clamp(3.0, 60.0),
                 decide: Some(error),
                 ..AuditSettings::default()
@@ -173,6 +178,7 @@ pub fn reach(
             Goal::Seconds(_) => AuditSettings {
                 precision: 0.15,
                 resolve: 2e-3,
+                local_noise: QUICK_NOISE,
                 seconds: (0.3 * seconds).max(0.15).min(0.4 * left()),
                 ..AuditSettings::default()
             },
@@ -186,7 +192,9 @@ pub fn reach(
             predicted_error: foreseen_error,
             budget,
         });
-        model.learn(Measured::of(&solved, lines, budget.as_ref()));
+        let known = model.measured().last().map(|m| m.overhead);
+        let overhead = known.unwrap_or_else(|| row_overhead(&solved, lines));
+        model.learn(Measured::of(&solved, lines, overhead, budget.as_ref()));
         if attempts.len() == 1 && solved.mesh.patches.len() as f64 > 1.5 * next.patches {
             limits.fewest = solved.mesh.patches.len() as f64;
         }
@@ -206,9 +214,10 @@ pub fn reach(
                     break;
                 }
                 // After a miss the aim is closer: what was foreseen proved too bright a view.
-                let shortfall = foreseen_error.map_or(1.0, |f| (f / budget.total.error).clamp(0.85, 1.0));
-                match model.cheapest(AIM * error * shortfall, limits) {
-                    Some(fineness) if finer(fineness, next) => next = fineness,
+                let shortfall = foreseen_error.map_or(1.0, |f| (f / budget.total.error).clamp(0.9, 1.0));
+                let aim = AIM[usize::from(model.knows_its_power())];
+                match model.cheapest(aim * error * shortfall, limits) {
+                    Some(fineness) if finer(fineness, next) => next = model.towards(fineness),
                     _ => {
                         obstacle = Some(too_fine(&model, limits));
                         break;
@@ -354,9 +363,10 @@ fn solve_until(
 ) -> Result<Outcome, PipelineError> {
     let prepared = prepare(scene, settings)?;
     let left = |d: Instant| d.saturating_duration_since(Instant::now()).as_secs_f64();
+    let meshed = prepared.timings.mesh + prepared.timings.plan;
     if let Some(deadline) = deadline
         && has_another
-        && model.probe(&prepared).is_some_and(|seconds| seconds > 0.95 * left(deadline))
+        && model.seconds_of(&prepared, &trial(&prepared)).is_some_and(|s| s - meshed > 0.95 * left(deadline))
     {
         return Ok(Outcome::TooLong);
     }

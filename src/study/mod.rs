@@ -9,12 +9,14 @@ mod cost;
 mod goal;
 mod sweep;
 pub mod table;
+mod trial;
 
 pub use audited::{audit, shown};
 pub use chart::chart;
 pub use cost::{CostModel, Fineness, Limits, Measured};
 pub use goal::{Attempt, Goal, News, Reached, reach};
 pub use sweep::{Entry, entries, measure, pareto};
+pub use trial::{Trial, row_overhead, trial};
 
 use crate::scene::Scene;
 

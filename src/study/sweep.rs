@@ -3,7 +3,7 @@
 use super::audited::audit;
 use super::table::Row;
 use crate::accuracy::AuditSettings;
-use crate::form_factors::Method;
+use crate::form_factors::{Method, ReceivingPoints};
 use crate::mesh::PatchTarget;
 use crate::scene::{Lighting, Scene};
 use crate::session::{Control, PipelineError, Progress, SolveSettings, solve};
@@ -18,6 +18,8 @@ pub struct Entry {
     pub method: Method,
     /// Half-planes, cells along an edge or rays.
     pub resolution: u32,
+    /// At how many points of a patch its row is gathered.
+    pub points: ReceivingPoints,
     /// Patches asked for.
     pub patches: usize,
 }
@@ -32,7 +34,12 @@ impl Entry {
             Method::Hemicube | Method::AlignedHemicube => 0.6 + 2.0e-5 * n * n,
             Method::Rays => 0.000_5 * n,
         };
-        self.patches as f64 * row + 2e-5 * (self.patches as f64).powi(2)
+        let several = match self.points {
+            ReceivingPoints::Auto | ReceivingPoints::One => 1.0,
+            ReceivingPoints::Four => 4.0,
+            ReceivingPoints::Sixteen => 16.0,
+        };
+        self.patches as f64 * row * several + 2e-5 * (self.patches as f64).powi(2)
     }
 }
 
@@ -40,8 +47,18 @@ const LINES: [u32; 7] = [16, 32, 64, 128, 256, 512, 1024];
 const HEMICUBE: [u32; 6] = [32, 64, 128, 256, 512, 1024];
 const RAYS: [u32; 5] = [256, 1024, 4096, 16_384, 65_536];
 
+/// Receiving points other than those that are chosen by themselves, at the usual number of patches: one,
+/// as in 1985, and so many that nothing but the resolution is left.
+const FIXED_POINTS: [(Method, ReceivingPoints, &[u32]); 5] = [
+    (Method::Lines, ReceivingPoints::One, &[32, 64, 128, 256, 512]),
+    (Method::Lines, ReceivingPoints::Sixteen, &[32, 64, 128, 256]),
+    (Method::Hemicube, ReceivingPoints::Sixteen, &[32, 64, 128, 256]),
+    (Method::AlignedHemicube, ReceivingPoints::One, &HEMICUBE),
+    (Method::AlignedHemicube, ReceivingPoints::Sixteen, &[64, 128, 256]),
+];
+
 /// All points, cheapest first, for a scene that has `usual` patches by itself: at that many all
-/// resolutions, at fewer and at more those that suit.
+/// resolutions and numbers of receiving points, at fewer and at more those that suit.
 pub fn entries(usual: usize) -> Vec<Entry> {
     let methods: [(Method, &[u32]); 3] =
         [(Method::Lines, &LINES), (Method::Hemicube, &HEMICUBE), (Method::Rays, &RAYS)];
@@ -49,9 +66,14 @@ pub fn entries(usual: usize) -> Vec<Entry> {
     for (patches, skip_fine) in [(usual / 4, 2), (usual, 0), (3 * usual, 1), (8 * usual, 3)] {
         for (method, resolutions) in methods {
             for &resolution in &resolutions[..resolutions.len() - skip_fine] {
-                all.push(Entry { method, resolution, patches: patches.max(1) });
+                let points = ReceivingPoints::Auto;
+                all.push(Entry { method, resolution, points, patches: patches.max(1) });
             }
         }
+    }
+    for (method, points, resolutions) in FIXED_POINTS {
+        let entry = |&resolution: &u32| Entry { method, resolution, points, patches: usual.max(1) };
+        all.extend(resolutions.iter().map(entry));
     }
     all.sort_by(|a, b| a.nominal().total_cmp(&b.nominal()));
     all
@@ -71,6 +93,7 @@ pub fn measure(
         patches: PatchTarget::Count(entry.patches),
         method: entry.method,
         resolution: Some(entry.resolution),
+        points: entry.points,
         ..SolveSettings::default()
     };
     forget_peak_memory();
@@ -86,6 +109,7 @@ pub fn measure(
         precision: 0.08,
         parts: true,
         resolve: 4e-4,
+        local_noise: 0.02,
         seconds: (2.0 * seconds).clamp(4.0, 40.0),
         ..AuditSettings::default()
     };

@@ -1,9 +1,9 @@
 //! The table of a sweep: written after every row, read again to go on from it.
 
 use super::sweep::Entry;
-use crate::accuracy::{ErrorBudget, Estimate};
+use crate::accuracy::{ErrorBudget, Estimate, Ranged};
 use crate::export::{ExportError, atomic};
-use crate::form_factors::Method;
+use crate::form_factors::{Method, ReceivingPoints};
 use std::collections::HashMap;
 use std::io::Write as _;
 use std::path::Path;
@@ -33,14 +33,15 @@ pub struct Row {
 
 impl Default for Entry {
     fn default() -> Self {
-        Self { method: Method::Lines, resolution: Method::Lines.default_resolution(), patches: 1 }
+        let (method, points) = (Method::Lines, ReceivingPoints::Auto);
+        Self { method, resolution: method.default_resolution(), points, patches: 1 }
     }
 }
 
-const HEADER: &str = "scene,hash,threads,method,resolution,patches_wanted,patches,seconds_mesh,seconds_rows,\
+const HEADER: &str = "scene,hash,threads,method,resolution,receiving_points,patches_wanted,patches,seconds_mesh,seconds_rows,\
     seconds_balance,seconds_sweeps,seconds_total,peak_memory_bytes,form_factors,form_factors_low,\
     form_factors_high,patch_error,patch_error_low,patch_error_high,solver,solver_low,solver_high,solver_bound,\
-    total,total_low,total_high,averages,averages_low,averages_high,local,local_low,local_high,mean_irradiance,receivers,rays,audit_seconds";
+    total,total_low,total_high,averages,averages_low,averages_high,local,local_low,local_high,median,within_1,within_5,within_10,mean_irradiance,receivers,rays,audit_seconds";
 
 /// Writes all rows; errors are shares of the mean irradiance.
 ///
@@ -56,11 +57,12 @@ pub fn write(path: &Path, rows: &[Row]) -> Result<(), ExportError> {
             let memory = row.peak_memory.map_or(String::new(), |bytes| bytes.to_string());
             write!(
                 file,
-                "{name},{:016x},{},{},{},{},{}",
+                "{name},{:016x},{},{},{},{},{},{}",
                 row.hash,
                 row.threads,
                 row.entry.method.name(),
                 row.entry.resolution,
+                row.entry.points.name(),
                 row.entry.patches,
                 row.patches
             )?;
@@ -74,6 +76,10 @@ pub fn write(path: &Path, rows: &[Row]) -> Result<(), ExportError> {
             write!(file, ",{:.4e}", b.solver.bound)?;
             for e in [b.total, b.averages, b.local] {
                 write!(file, ",{:.4e},{:.4e},{:.4e}", e.error, e.low, e.high)?;
+            }
+            write!(file, ",{:.4e}", b.spread.median.value)?;
+            for within in b.spread.within {
+                write!(file, ",{:.4}", within.value)?;
             }
             writeln!(file, ",{:.6e},{},{},{:.3}", b.mean_irradiance, b.receivers, b.rays, b.seconds)?;
         }
@@ -98,6 +104,9 @@ fn parse_row(names: &[&str], line: &str) -> Option<Row> {
         Some(Estimate { error: end("")?, low: end("_low")?, high: end("_high")? })
     };
     let method = Method::ALL.into_iter().find(|m| Some(m.name()) == text("method"))?;
+    // Tables of before this was a choice hold what was chosen by itself.
+    let points = text("receiving_points").unwrap_or(ReceivingPoints::Auto.name());
+    let points = ReceivingPoints::ALL.into_iter().find(|p| p.name() == points)?;
     let mut budget = ErrorBudget {
         form_factors: estimate("form_factors")?,
         mesh: estimate("patch_error")?,
@@ -113,6 +122,11 @@ fn parse_row(names: &[&str], line: &str) -> Option<Row> {
     };
     budget.solver.estimate = estimate("solver")?;
     budget.solver.bound = number("solver_bound")?;
+    // So is one of before these were; their intervals are not written.
+    let [median, within @ ..] = ["median", "within_1", "within_5", "within_10"].map(|name| {
+        number(name).map_or_else(Ranged::default, |value| Ranged { value, low: value, high: value })
+    });
+    (budget.spread.median, budget.spread.within) = (median, within);
     Some(Row {
         scene: text("scene")?.to_owned(),
         hash: u64::from_str_radix(text("hash")?, 16).ok()?,
@@ -120,6 +134,7 @@ fn parse_row(names: &[&str], line: &str) -> Option<Row> {
         entry: Entry {
             method,
             resolution: u32::try_from(count("resolution")?).ok()?,
+            points,
             patches: count("patches_wanted")? as usize,
         },
         patches: count("patches")? as usize,
@@ -148,7 +163,12 @@ mod tests {
             scene: "a room".into(),
             hash: 0xfeed_0000_0000_0001,
             threads: 2,
-            entry: Entry { method: Method::Hemicube, resolution: 256, patches: 2000 },
+            entry: Entry {
+                method: Method::Hemicube,
+                resolution: 256,
+                points: ReceivingPoints::Sixteen,
+                patches: 2000,
+            },
             patches: 2100,
             seconds: [0.5, 1.25, 0.25, 0.125],
             total_seconds: 2.25,

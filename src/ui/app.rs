@@ -287,7 +287,16 @@ impl App {
     fn audit(&mut self, ctx: &egui::Context, time: f64) {
         let wake = ctx.clone();
         let wake = move || wake.request_repaint();
-        let (next, again) = self.auditor.follow(&self.snapshot, &self.edits.lighting, time, wake);
+        let prepared = self.picture.prepared.as_ref();
+        let is_current = prepared.is_some_and(|p| p.mesh_serial == self.snapshot.mesh_serial);
+        let light = Some(&self.picture.light).filter(|l| is_current && !l.irradiance.is_empty());
+        let known = self.auditor.findings.clone();
+        let (next, again) = self.auditor.follow(&self.snapshot, &self.edits.lighting, light, time, wake);
+        let same = match (&known, &self.auditor.findings) {
+            (Some(a), Some(b)) => Arc::ptr_eq(a, b),
+            (a, b) => a.is_none() && b.is_none(),
+        };
+        self.stale.light |= !same && self.edits.display.quantity == Quantity::Error;
         if let Some(settings) = next {
             self.worker.set_settings(settings);
         }

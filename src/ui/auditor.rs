@@ -1,12 +1,13 @@
 //! Finds out in the background how wrong the picture is, and keeps what solves cost.
 
-use super::panels::Model;
-use crate::accuracy::{AuditSettings, ErrorBudget};
+use super::runs::{Finished, Runs};
+use crate::accuracy::{AuditSettings, ErrorBudget, Findings};
+use crate::display::NO_VALUE;
 use crate::form_factors::Method;
-use crate::mesh::PatchTarget;
-use crate::scene::{Lighting, Scene};
+use crate::mesh::{PatchMesh, PatchTarget};
+use crate::scene::{LUMINOUS_EFFICACY, Lighting, Scene};
 use crate::session::{Snapshot, SolveSettings, Solved, Stage};
-use crate::solver::LightBases;
+use crate::solver::{LightBases, PatchLight};
 use crate::study::{self, CostModel, Fineness, Goal, Limits, Measured};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{Receiver, TryRecvError, channel};
@@ -21,18 +22,6 @@ const MOST_STEPS: u32 = 5;
 /// Points of the predicted curve.
 const CURVE: usize = 24;
 
-/// A finished solve of the present scene.
-#[derive(Clone, Debug, PartialEq)]
-pub(super) struct Finished {
-    /// What it was solved with.
-    pub(super) settings: SolveSettings,
-    pub(super) patches: usize,
-    /// From meshing to the last sweep.
-    pub(super) seconds: f64,
-    /// Its errors; `None` until they are known.
-    pub(super) budget: Option<ErrorBudget>,
-}
-
 /// What the panel asks for.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Ask {
@@ -44,10 +33,17 @@ pub(super) enum Ask {
     Reach,
 }
 
+/// What the background has found out about a solve.
+struct Checked {
+    findings: Findings,
+    /// What a row costs besides its lines, as lines, where rows are computed by lines.
+    overhead: Option<f64>,
+}
+
 /// A running audit; it ends when this is dropped.
 struct Job {
     cancel: Arc<AtomicBool>,
-    answer: Receiver<Option<ErrorBudget>>,
+    answer: Receiver<Option<Checked>>,
 }
 
 impl Drop for Job {
@@ -64,10 +60,12 @@ pub(super) struct Auditor {
     pub(super) goal: Goal,
     /// Of the picture on screen; `None` while it is not known.
     pub(super) budget: Option<ErrorBudget>,
+    /// Where it is wrong; `None` while it is not known.
+    pub(super) findings: Option<Arc<Findings>>,
     /// The last audit found no light to check.
     pub(super) is_dark: bool,
-    /// All solves of the scene, oldest first; the last one is on screen.
-    pub(super) finished: Vec<Finished>,
+    /// All solves of this session.
+    pub(super) runs: Runs,
     /// Foreseen errors of solves of rising cost: seconds and share.
     pub(super) curve: Vec<[f64; 2]>,
     /// Why the goal was given up, or that it was reached.
@@ -90,8 +88,9 @@ impl Default for Auditor {
             on: true,
             goal: Goal::Error(0.01),
             budget: None,
+            findings: None,
             is_dark: false,
-            finished: Vec::new(),
+            runs: Runs::default(),
             curve: Vec::new(),
             verdict: String::new(),
             model: CostModel::default(),
@@ -126,17 +125,28 @@ impl Auditor {
         }
     }
 
+    /// Switches audits on, and leaves one that runs alone.
+    pub(super) fn ensure_on(&mut self) {
+        if !self.on {
+            self.switch(true);
+        }
+    }
+
     /// Follows the solver, starts an audit once the light stands still, and takes up what one has
-    /// found. Answers with settings to solve with, where the goal asks for them. `wake` asks for
+    /// found. `light` is that of the picture on screen, if it is the snapshot's. Answers with settings to solve with, where the goal asks for them. `wake` asks for
     /// another frame, from any thread; a number of seconds is how long until one is needed.
     pub(super) fn follow(
         &mut self,
         snapshot: &Snapshot,
         lighting: &Lighting,
+        light: Option<&PatchLight>,
         time: f64,
         wake: impl FnOnce() + Send + 'static,
     ) -> (Option<SolveSettings>, Option<f64>) {
         self.forget_other_scenes(snapshot);
+        if let Some(light) = light {
+            self.runs.trace(snapshot, lighting, light);
+        }
         let mut next = self.take_answer(snapshot);
         let standing = (snapshot.stage == Stage::Converged).then_some(()).and(snapshot.bases.clone());
         let lamps = snapshot.scene.as_ref().map_or(0, |s| s.luminaires.len());
@@ -159,8 +169,10 @@ impl Auditor {
         if !self.standing.as_ref().is_some_and(unchanged) {
             // A lamp or the solver moved: what was found is of another light.
             self.job = None;
-            self.note_solve(snapshot, &bases);
-            self.budget = None;
+            if self.standing.as_ref().is_none_or(|s| !Arc::ptr_eq(&s.0, &bases)) {
+                self.runs.note(snapshot);
+            }
+            (self.budget, self.findings) = (None, None);
             self.is_dark = false;
             self.standing = Some((bases.clone(), lighting.clone(), time));
         }
@@ -174,7 +186,7 @@ impl Auditor {
         }
         self.seen = Some((bases, lighting.clone()));
         if let Some(solved) = snapshot.solved() {
-            self.start(solved, lighting.clone(), wake);
+            self.start(solved, &snapshot.settings, lighting.clone(), wake);
         }
         (None, None)
     }
@@ -186,28 +198,21 @@ impl Auditor {
             _ => false,
         };
         if !same {
-            let (on, goal) = (self.on, self.goal);
-            *self = Self { on, goal, ..Self::default() };
+            let (on, goal, mut runs) = (self.on, self.goal, std::mem::take(&mut self.runs));
+            runs.enter(snapshot.scene.as_ref().map(|scene| &scene.source));
+            *self = Self { on, goal, runs, ..Self::default() };
             self.scene = snapshot.scene.as_ref().map_or_else(Weak::new, Arc::downgrade);
         }
     }
 
-    /// Puts a solve that is new down in the list.
-    fn note_solve(&mut self, snapshot: &Snapshot, bases: &Arc<LightBases>) {
-        let is_new = self.standing.as_ref().is_none_or(|s| !Arc::ptr_eq(&s.0, bases));
-        let Some(mesh) = snapshot.mesh.as_ref().filter(|_| is_new) else { return };
-        let t = &snapshot.timings;
-        let finished = Finished {
-            settings: snapshot.settings.clone(),
-            patches: mesh.patches.len(),
-            seconds: t.mesh + t.plan + t.rows + t.balance + t.sweeps,
-            budget: None,
-        };
-        self.finished.retain(|f| f.settings != finished.settings);
-        self.finished.push(finished);
-    }
-
-    fn start(&mut self, solved: Solved, lighting: Lighting, wake: impl FnOnce() + Send + 'static) {
+    fn start(
+        &mut self,
+        solved: Solved,
+        settings: &SolveSettings,
+        lighting: Lighting,
+        wake: impl FnOnce() + Send + 'static,
+    ) {
+        let lines = lines_of(settings).filter(|_| self.model.measured().is_empty());
         let cancel = Arc::new(AtomicBool::new(false));
         let (sender, answer) = channel();
         let stop = cancel.clone();
@@ -217,7 +222,8 @@ impl Auditor {
                 AuditSettings { seconds: AUDIT_SECS, resolve, parallel: false, ..AuditSettings::default() };
             let found = study::audit(&solved, &lighting, &settings, &|| stop.load(Ordering::Relaxed));
             // Nobody listens any more when the light has changed.
-            sender.send(found.map(|f| f.budget)).ok();
+            let overhead = lines.map(|lines| study::row_overhead(&solved, lines));
+            sender.send(found.map(|findings| Checked { findings, overhead })).ok();
             wake();
         };
         if std::thread::Builder::new().name("audit".to_owned()).spawn(audit).is_ok() {
@@ -232,17 +238,17 @@ impl Auditor {
             Err(TryRecvError::Disconnected) => None,
         };
         self.job = None;
-        self.budget = answer;
         self.is_dark = answer.is_none();
-        let budget = answer?;
-        if let Some(last) = self.finished.last_mut() {
-            last.budget = Some(budget);
-        }
+        let (findings, overhead) = answer.map(|a| (a.findings, a.overhead)).unzip();
+        self.findings = findings.map(Arc::new);
+        self.budget = self.findings.as_ref().map(|found| found.budget);
+        let budget = self.budget?;
+        self.runs.checked(budget);
         let solved = snapshot.solved()?;
         let settings = &snapshot.settings;
-        if settings.method == Method::Lines {
-            let lines = settings.resolution.unwrap_or_else(|| settings.method.default_resolution());
-            self.model.learn(Measured::of(&solved, lines, Some(&budget)));
+        let known = self.model.measured().last().map(|m| m.overhead);
+        if let (Some(lines), Some(overhead)) = (lines_of(settings), overhead.flatten().or(known)) {
+            self.model.learn(Measured::of(&solved, lines, overhead, Some(&budget)));
             self.draw_curve();
         }
         self.step(&budget, settings)
@@ -261,7 +267,9 @@ impl Auditor {
             return None;
         }
         let wanted = match self.goal {
-            Goal::Error(error) => self.model.cheapest(0.85 * error, self.limits),
+            Goal::Error(error) => {
+                self.model.cheapest(0.85 * error, self.limits).map(|f| self.model.towards(f))
+            }
             Goal::Seconds(seconds) => self.model.best_within(0.8 * seconds, self.limits),
         };
         let Some(fineness) = wanted.filter(|_| steps < MOST_STEPS) else {
@@ -295,12 +303,43 @@ impl Auditor {
 
     fn draw_curve(&mut self) {
         let Some(last) = self.model.measured().last() else { return };
-        let now = last.timings.mesh + last.timings.rows + last.timings.balance + last.timings.sweeps;
+        let now = last.timings.solve();
         let seconds = (0..CURVE).map(|k| now * 10.0_f64.powf(2.0 * k as f64 / (CURVE - 1) as f64));
         let limits = self.limits;
         self.curve = seconds
             .filter_map(|s| Some([s, self.model.error(self.model.best_within(s, limits)?)?]))
             .collect();
+    }
+
+    /// Estimated error of every patch, % of the mean irradiance, for false colours; `None` while it is
+    /// not known.
+    pub(super) fn error_percent(&self, mesh: &PatchMesh) -> Option<Vec<f32>> {
+        let errors = &self.findings.as_ref()?.map.error;
+        let value = |e: &f32| if e.is_nan() { NO_VALUE } else { 100.0 * e };
+        (errors.len() == mesh.patches.len()).then(|| errors.iter().map(value).collect())
+    }
+
+    /// What rays found at a patch: what the picture shows there less the truth, lx, averaged where they
+    /// asked more than once.
+    pub(super) fn measured_lux(&self, patch: u32) -> Option<f64> {
+        let found = self.findings.as_ref()?;
+        let here: Vec<f64> = found.receivers.iter().filter(|r| r.patch == patch).map(|r| r.shown).collect();
+        let mean = here.iter().sum::<f64>() / here.len() as f64;
+        (!here.is_empty()).then(|| LUMINOUS_EFFICACY * found.budget.mean_irradiance * mean)
+    }
+
+    /// What form factors and patches add to the error of the solve that runs, as far as can be foreseen:
+    /// from an audit of the same settings, or from the model. Zero where nobody knows.
+    pub(super) fn rest_foreseen(&self, snapshot: &Snapshot) -> f64 {
+        let same = |f: &&Finished| f.is_here && f.settings == snapshot.settings;
+        let audited = self.runs.finished.iter().rev().filter(same).find_map(|f| f.budget);
+        let fineness = snapshot
+            .mesh
+            .as_ref()
+            .zip(lines_of(&snapshot.settings))
+            .map(|(mesh, lines)| Fineness { patches: mesh.patches.len() as f64, lines: f64::from(lines) });
+        let known = audited.map(|budget| budget.total.error);
+        known.or_else(|| self.model.error(fineness?)).unwrap_or(0.0)
     }
 
     /// "1 % in about 4 s, 0.3 % in about 21 s": the next round errors below the present one.
@@ -334,6 +373,12 @@ impl Auditor {
     }
 }
 
+/// Half-planes a row, where rows are computed by lines.
+fn lines_of(settings: &SolveSettings) -> Option<u32> {
+    let lines = || settings.resolution.unwrap_or_else(|| settings.method.default_resolution());
+    (settings.method == Method::Lines).then(lines)
+}
+
 fn settings_of(fineness: Fineness, now: &SolveSettings) -> SolveSettings {
     SolveSettings {
         patches: PatchTarget::Count(fineness.patches as usize),
@@ -341,16 +386,6 @@ fn settings_of(fineness: Fineness, now: &SolveSettings) -> SolveSettings {
         resolution: Some(fineness.lines as u32),
         ..now.clone()
     }
-}
-
-/// What a click on the chart restores: the solve nearest to a place, both as decimal logarithms.
-pub(super) fn nearest<'a>(model: &'a Model<'_>, at: [f64; 2]) -> Option<&'a Finished> {
-    let distance = |f: &&Finished| {
-        let error = f.budget.map_or(f64::NAN, |b| b.total.error);
-        (f.seconds.log10() - at[0]).hypot((100.0 * error).log10() - at[1])
-    };
-    let known = model.auditor.finished.iter().filter(|f| distance(f).is_finite());
-    known.min_by(|a, b| distance(a).total_cmp(&distance(b))).filter(|f| distance(f) < 0.15)
 }
 
 #[cfg(test)]
@@ -375,6 +410,8 @@ mod tests {
             fineness: Fineness { patches: 1000.0, lines: 96.0 },
             timings: Timings { rows: 0.3, sweeps: 0.1, ..Timings::default() },
             entries: 3e5,
+            columns: 3.0,
+            overhead: 24.0,
             form_factors,
             mesh,
             total: form_factors.hypot(mesh),

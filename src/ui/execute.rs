@@ -220,6 +220,10 @@ impl App {
             self.worker.set_materials(edits.collect());
         }
         if before.display != self.edits.display {
+            if self.edits.display.quantity == Quantity::Error && before.display.quantity != Quantity::Error {
+                // Whoever asks for the map asks for the check that it is made of.
+                self.auditor.ensure_on();
+            }
             self.state.display = self.edits.display;
             self.stale.light = true;
             self.stale.exposure |= before.display.split != self.edits.display.split;

@@ -57,6 +57,7 @@ pub(super) fn show(ui: &egui::Ui, view: Rect, quantity: Quantity, scale: &FalseC
 pub(super) fn pending(ui: &egui::Ui, view: Rect, quantity: Quantity) {
     let needs = match quantity {
         Quantity::Residual | Quantity::Unshot => "as soon as light arrives",
+        Quantity::Error => "once the light has been checked",
         q if q.is_row() => "as soon as a patch is looked into",
         _ => "once all rows are there",
     };
@@ -81,6 +82,7 @@ fn short_name(quantity: Quantity) -> &'static str {
         Quantity::Escape => "Escapes",
         Quantity::Reciprocity => "Reciprocity",
         Quantity::Unshot => "Unshot",
+        Quantity::Error => "Error of mean",
         other => other.name(),
     }
 }

@@ -28,6 +28,7 @@ mod panels;
 mod path_dialog;
 mod picture;
 mod reclaim;
+mod runs;
 mod state;
 mod theme;
 mod touring;

@@ -173,10 +173,31 @@ fn shown_value(model: &Model<'_>, patch: usize) -> Option<String> {
         return None;
     }
     let value = *model.shown_values.get(patch)?;
+    if quantity == Quantity::Error {
+        return Some(estimated_error(model, patch, f64::from(value)));
+    }
     if value <= NO_VALUE {
         return Some(format!("{}: not seen", quantity.name()));
     }
     Some(format!("{}: {} {}", quantity.name(), units::digits(f64::from(value)), quantity.unit()))
+}
+
+/// The estimated error of a patch in lux and in percent of the mean, and what rays found there.
+fn estimated_error(model: &Model<'_>, patch: usize, percent: f64) -> String {
+    let auditor = model.auditor;
+    let Some(budget) = auditor.budget.filter(|_| percent > f64::from(NO_VALUE)) else {
+        return "No error: it shines or lies under something".to_owned();
+    };
+    let lux = 0.01 * percent * crate::scene::LUMINOUS_EFFICACY * budget.mean_irradiance;
+    let told =
+        format!("Estimated error here {} lx ({} % of the mean)", units::digits(lux), units::digits(percent));
+    match auditor.measured_lux(patch as u32) {
+        Some(found) => {
+            let sign = if found > 0.0 { "+" } else { "" };
+            format!("{told}, by rays {sign}{} lx", units::digits(found))
+        }
+        None => told,
+    }
 }
 
 fn shortened(text: &str, most: usize) -> String {

@@ -302,7 +302,7 @@ impl Picture {
     }
 }
 
-/// Least value that the scale of a row tells apart, of its largest.
+/// Least value that the scale of what spans decades tells apart, of its largest.
 const ROW_DECADES: f64 = 1e-3;
 
 /// The scale of a quantity for these values, each with the area that has it: its pinned range, or one
@@ -314,7 +314,7 @@ pub(super) fn scale(display: &DisplaySettings, values: &[(f32, f64)]) -> FalseCo
         Quantity::Sides => FalseColour { map, range: [-1.0, 1.0], logarithmic: false },
         _ => FalseColour::fitted_by_area(map, display.logarithmic, values),
     };
-    if display.quantity.is_row() && scale.logarithmic {
+    if display.quantity.spans_decades() && scale.logarithmic {
         // Slivers of what is hardly seen must not take the colours of what is.
         scale.range[0] = scale.range[0].max(ROW_DECADES * scale.range[1]);
     }

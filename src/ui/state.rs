@@ -60,11 +60,13 @@ pub enum Quantity {
     Residual,
     /// Luminous flux that has not been passed on yet, lm.
     Unshot,
+    /// Estimated error of the irradiance as shown, % of its mean over the scene.
+    Error,
 }
 
 impl Quantity {
     /// All of them, in the order of the menu.
-    pub const ALL: [Self; 18] = [
+    pub const ALL: [Self; 19] = [
         Self::Picture,
         Self::Illuminance,
         Self::Luminance,
@@ -83,6 +85,7 @@ impl Quantity {
         Self::Reciprocity,
         Self::Residual,
         Self::Unshot,
+        Self::Error,
     ];
 
     /// What a row of form factors can be shown as.
@@ -109,6 +112,7 @@ impl Quantity {
             Self::Reciprocity => "Worst reciprocity",
             Self::Residual => "Residual",
             Self::Unshot => "Unshot power",
+            Self::Error => "Estimated error",
         }
     }
 
@@ -120,7 +124,7 @@ impl Quantity {
             Self::Area => "m²",
             Self::RowDensity => "1/m²",
             Self::RowLight => "lx/m²",
-            Self::Escape | Self::Closure | Self::Reciprocity => "%",
+            Self::Escape | Self::Closure | Self::Reciprocity | Self::Error => "%",
             Self::Unshot => "lm",
             _ => "",
         }
@@ -157,6 +161,10 @@ impl Quantity {
             Self::Unshot => {
                 "Flux that has arrived and not been passed on; once all rows are there, that of the residual"
             }
+            Self::Error => {
+                "How far the illuminance as shown is from the truth on each patch, RMS, of the mean of the scene: \
+                 what rays found at some patches, spread to the others by what the picture shows there"
+            }
             Self::Aspect => "Longest extent squared over area: 1 for a square",
             Self::Difference => "Illuminance now less that of the stored state A",
             _ => "",
@@ -171,6 +179,11 @@ impl Quantity {
     /// Whether it is a map of what sampling and solver got wrong, a value a patch.
     pub fn is_defect(self) -> bool {
         matches!(self, Self::Escape | Self::Closure | Self::Reciprocity | Self::Residual | Self::Unshot)
+    }
+
+    /// Whether its values span decades, so that even factors show more of it than even steps.
+    pub fn spans_decades(self) -> bool {
+        self.is_row() || self == Self::Error
     }
 
     /// Whether it has both signs, so that its colours part at zero.
@@ -224,10 +237,10 @@ pub struct DisplaySettings {
 
 impl DisplaySettings {
     /// The same with another quantity: its range is free, for one pinned in lux means nothing in
-    /// cd/m², and rows, which span decades, are shown in even factors.
+    /// cd/m², and what spans decades is shown in even factors.
     #[must_use]
     pub fn showing(self, quantity: Quantity) -> Self {
-        let logarithmic = match (self.quantity.is_row(), quantity.is_row()) {
+        let logarithmic = match (self.quantity.spans_decades(), quantity.spans_decades()) {
             (false, true) => true,
             (true, false) => false,
             _ => self.logarithmic,

@@ -158,8 +158,10 @@ impl App {
         let lights = [Some(&self.picture.light), kept];
         let quantity = display.quantity;
         let of_patch = quantity.is_row() || quantity.is_defect();
-        // Where the microscope has no answer yet the picture is shown.
-        let values = if of_patch {
+        // Where microscope or auditor have no answer yet the picture is shown.
+        let values = if quantity == Quantity::Error {
+            self.auditor.error_percent(&prepared.mesh).map(|values| [Some(values), None])
+        } else if of_patch {
             let values = self.microscope.scalars(quantity, &prepared, &self.picture.light);
             values.map(|values| [Some(values), None])
         } else if quantity.is_scalar() {

@@ -229,3 +229,24 @@ fn maps_of_defects_come_in_their_units_and_signs() {
     assert!(residual.iter().all(|r| f64::from(r.abs()) < 1e-3 * brightest), "converged");
     assert!(residual.iter().any(|&r| r != 0.0));
 }
+
+#[test]
+fn the_map_of_the_error_comes_with_the_check_and_goes_with_the_light() {
+    let mut harness = window(&Counting::showing(solved()), false);
+    wait_until(&mut harness, "the check", |h| h.query_by_label("Map of the error").is_some());
+    click(&mut harness, "Map of the error");
+    assert_eq!(quantity(&harness), Quantity::Error);
+    let mesh = solved().mesh.clone().expect("meshed");
+    let values = harness.state().shown_values().to_vec();
+    assert_eq!(values.len(), mesh.patches.len());
+    for (value, patch) in values.iter().zip(&mesh.patches) {
+        let receives = patch.luminaire.is_none() && !patch.buried;
+        assert_eq!(*value > NO_VALUE, receives);
+        assert!(!receives || (*value > 0.0 && value.is_finite()));
+    }
+    // Another light is another error: nothing is shown until it is known.
+    press(&mut harness, Key::Num1);
+    assert!(harness.state().shown_values().is_empty());
+    wait_until(&mut harness, "the next check", |h| !h.state().shown_values().is_empty());
+    assert_ne!(harness.state().shown_values(), values);
+}

@@ -1,14 +1,14 @@
 //! How wrong the picture is, what less would cost, and the way there.
 
-use super::{Commands, Model, empty};
-use crate::accuracy::{ErrorBudget, Estimate};
+use super::{Commands, Model, empty, error_chart};
+use crate::accuracy::{DARKEST, ErrorBudget, Estimate, LEVELS};
 use crate::session::Stage;
 use crate::study::Goal;
-use crate::ui::auditor::{Ask, Finished, nearest};
+use crate::ui::auditor::Ask;
 use crate::ui::command::Command;
+use crate::ui::state::Quantity;
 use crate::ui::{theme, units};
 use egui::{Color32, RichText, Sense, Stroke, pos2, vec2};
-use egui_plot::{HoverPosition, Line, MarkerShape, Plot, PlotPoints, Points, VLine};
 
 /// Shows the budget, the chart and the goal.
 pub(in crate::ui) fn show(ui: &mut egui::Ui, model: &Model<'_>, out: &mut Commands) {
@@ -17,9 +17,28 @@ pub(in crate::ui) fn show(ui: &mut egui::Ui, model: &Model<'_>, out: &mut Comman
         empty(ui, "Open a scene to see how exact its light is.");
         return;
     }
+    headline(ui, model, out);
+    if let Some(budget) = &auditor.budget {
+        spread(ui, budget, model, out);
+    }
+    bars(ui, auditor.budget.as_ref(), model);
+    error_chart::show(ui, model, out);
+    if let Some(told) = auditor.foresight() {
+        ui.label(RichText::new(told).small().color(theme::TEXT));
+    }
+    if let Some(advice) = auditor.advice() {
+        let text = format!("Next seconds are best spent on {advice}.");
+        ui.label(RichText::new(text).small().color(theme::TEXT_WEAK));
+    }
+    goal(ui, model, out);
+}
+
+/// The error in one number, or why there is none yet, and the switch.
+fn headline(ui: &mut egui::Ui, model: &Model<'_>, out: &mut Commands) {
+    let auditor = model.auditor;
     ui.horizontal(|ui| {
         let word = match (&auditor.budget, model.snapshot.stage) {
-            (Some(budget), _) => format!("Error {}", percent(budget.total.error)),
+            (Some(budget), _) => format!("Error {} RMS", percent(budget.total.error)),
             (None, Stage::Converged) if !auditor.on => "Not checked".to_owned(),
             (None, Stage::Converged) if auditor.is_dark => "No light to check".to_owned(),
             (None, Stage::Converged) => "Checking by rays".to_owned(),
@@ -29,8 +48,9 @@ pub(in crate::ui) fn show(ui: &mut egui::Ui, model: &Model<'_>, out: &mut Comman
         let label = ui.label(RichText::new(word).color(colour));
         if let Some(budget) = &auditor.budget {
             label.on_hover_text(format!(
-                "RMS of illuminance as shown, of its mean of {} lx.\n95 %: {} to {}. {} receivers, {} rays, {}.\n\
-                 Relative to the light at each bright place: {}.",
+                "Root mean square over the receiving area of what the illuminance as shown is off by, of its mean \
+                 of {} lx. Squares count bright places beside lamps most.\n95 %: {} to {}. {} receivers, {} rays, \
+                 {}.\nRelative to the light at each bright place: {}.",
                 units::digits(crate::scene::LUMINOUS_EFFICACY * budget.mean_irradiance),
                 percent(budget.total.low),
                 percent(budget.total.high),
@@ -48,16 +68,75 @@ pub(in crate::ui) fn show(ui: &mut egui::Ui, model: &Model<'_>, out: &mut Comman
             }
         });
     });
-    bars(ui, auditor.budget.as_ref(), model);
-    chart(ui, model, out);
-    if let Some(told) = auditor.foresight() {
-        ui.label(RichText::new(told).small().color(theme::TEXT));
+}
+
+/// Colours of the shares of the area, from exact to wrong.
+const SHARES: [Color32; LEVELS.len() + 1] = [
+    Color32::from_rgb(112, 150, 120),
+    Color32::from_rgb(158, 160, 100),
+    Color32::from_rgb(214, 160, 74),
+    Color32::from_rgb(176, 84, 66),
+];
+
+/// How the error is spread over the area, where most of it sits, and the map.
+fn spread(ui: &mut egui::Ui, budget: &ErrorBudget, model: &Model<'_>, out: &mut Commands) {
+    let spread = &budget.spread;
+    let told = format!("Half the area is off by less than {}", percent(spread.median.value));
+    let tip = format!(
+        "Median over the area of what the illuminance as shown is off by, of the illuminance at each place itself \
+         (at least {:.0} % of the mean).\n95 %: {} to {}. The noise of the rays counts as error here.",
+        100.0 * DARKEST,
+        percent(spread.median.low),
+        percent(spread.median.high)
+    );
+    ui.label(RichText::new(told).color(theme::TEXT)).on_hover_text(tip);
+
+    let (bar, response) = ui.allocate_exact_size(vec2(ui.available_width(), 8.0), Sense::hover());
+    let ends = spread.within.map(|w| w.value).into_iter().chain([1.0]);
+    let mut from = 0.0;
+    for (to, colour) in ends.zip(SHARES) {
+        let x = |share: f64| bar.left() + bar.width() * share as f32;
+        let part = egui::Rect::from_x_y_ranges(x(from)..=x(to), bar.y_range());
+        ui.painter().rect_filled(part, 0.0, colour);
+        from = to;
     }
-    if let Some(advice) = auditor.advice() {
-        let text = format!("Next seconds are best spent on {advice}.");
-        ui.label(RichText::new(text).small().color(theme::TEXT_WEAK));
-    }
-    goal(ui, model, out);
+    let share = |s: f64| format!("{:.0} %", 100.0 * s);
+    let lines = spread.within.iter().zip(LEVELS).map(|(w, level)| {
+        let [value, low, high] = [w.value, w.low, w.high].map(share);
+        format!("{value} of the area within {} of its light (95 %: {low} to {high})", share(level))
+    });
+    response.on_hover_text(lines.collect::<Vec<_>>().join("\n"));
+    let [one, five, ten] = spread.within.map(|w| share(w.value));
+    let text = format!("area within 1 %: {one}, 5 %: {five}, 10 %: {ten}");
+    ui.label(RichText::new(text).small().color(theme::TEXT_WEAK));
+
+    ui.horizontal(|ui| {
+        ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
+            let display = model.edits.display;
+            let shown = display.quantity == Quantity::Error;
+            let button = egui::Button::selectable(shown, RichText::new("Map").small());
+            let button = ui.add(button).on_hover_text(Quantity::Error.explanation());
+            if button.accessible_name("Map of the error").clicked() {
+                let quantity = if shown { Quantity::Picture } else { Quantity::Error };
+                out.push(Command::SetDisplay(display.showing(quantity)));
+            }
+            let Some(most) = spread.dominant.filter(|d| d.share > 0.3 && d.share > 3.0 * d.area) else {
+                return;
+            };
+            let button = ui.small_button("Go").on_hover_text("To the patch of it that weighs most");
+            if button.accessible_name("Go to the largest error").clicked() {
+                out.push(Command::JumpToPatch(most.patch));
+            }
+            let name = model.scene.and_then(|s| s.objects.get(most.object as usize));
+            let name = name.map_or("one object", String::as_str);
+            let text = format!("{} of the squares on {name}", share(most.share));
+            let tip = format!("{name} has {} of the area.", percent(most.area));
+            ui.with_layout(egui::Layout::left_to_right(egui::Align::Center), |ui| {
+                let label = egui::Label::new(RichText::new(text).small().color(theme::TEXT_WEAK));
+                ui.add(label.truncate()).on_hover_text(tip);
+            });
+        });
+    });
 }
 
 /// Three bars with their intervals, on one scale.
@@ -103,92 +182,6 @@ fn bars(ui: &mut egui::Ui, budget: Option<&ErrorBudget>, model: &Model<'_>) {
             });
         });
     }
-}
-
-fn chart(ui: &mut egui::Ui, model: &Model<'_>, out: &mut Commands) {
-    let auditor = model.auditor;
-    let place = |f: &Finished| {
-        let error = f.budget.map(|b| b.total.error).filter(|&e| e > 0.0)?;
-        (f.seconds > 0.0).then(|| [f.seconds.log10(), (100.0 * error).log10()])
-    };
-    let known: Vec<[f64; 2]> = auditor.finished.iter().filter_map(place).collect();
-    if known.is_empty() {
-        return;
-    }
-    let foreseen: Vec<[f64; 2]> =
-        auditor.curve.iter().map(|[s, e]| [s.log10(), (100.0 * e).log10()]).collect();
-    let current = auditor.finished.last().and_then(place);
-    let t = &model.snapshot.timings;
-    let elapsed = t.mesh + t.plan + t.rows + t.balance + t.sweeps;
-    let running = super::solver::is_running(model.snapshot.stage) && elapsed > 0.0;
-    let decade = |value: f64, unit: &str| {
-        let exponent = value.round();
-        if (value - exponent).abs() < 1e-6 {
-            format!("{:.*} {unit}", (-exponent).max(0.0) as usize, 10.0_f64.powf(exponent))
-        } else {
-            String::new()
-        }
-    };
-    let response = Plot::new("error against seconds")
-        .height(132.0)
-        .allow_drag(false)
-        .allow_zoom(false)
-        .allow_scroll(false)
-        .allow_boxed_zoom(false)
-        .allow_double_click_reset(false)
-        .set_margin_fraction(vec2(0.08, 0.12))
-        .x_axis_formatter(move |mark, _| decade(mark.value, "s"))
-        .y_axis_formatter(move |mark, _| decade(mark.value, "%"))
-        .label_formatter(|hover| match hover {
-            HoverPosition::NearDataPoint { position, .. } => {
-                let found = nearest(model, [position.x, position.y])?;
-                Some(format!("{}\nclick to solve so again", describe(found)))
-            }
-            HoverPosition::Elsewhere { .. } => None,
-        })
-        .show(ui, |plot| {
-            if foreseen.len() > 1 {
-                let line = Line::new("foreseen", PlotPoints::from(foreseen));
-                plot.line(
-                    line.color(theme::TEXT_WEAK).width(1.2).style(egui_plot::LineStyle::dashed_loose()),
-                );
-            }
-            plot.points(
-                Points::new("solves", PlotPoints::from(known))
-                    .color(theme::TEXT_WEAK)
-                    .radius(3.0)
-                    .filled(true),
-            );
-            if let Some(current) = current {
-                let marker = Points::new("on screen", PlotPoints::from(vec![current]));
-                plot.points(marker.color(theme::ACCENT).shape(MarkerShape::Diamond).radius(5.5).filled(true));
-            }
-            if running {
-                plot.vline(VLine::new("now", elapsed.log10()).color(theme::ACCENT).width(1.0));
-            }
-        });
-    let clicked = response.response.interact_pointer_pos().filter(|_| response.response.clicked());
-    if let Some(at) = clicked {
-        let value = response.transform.value_from_position(at);
-        if let Some(found) = nearest(model, [value.x, value.y])
-            && found.settings != model.snapshot.settings
-        {
-            out.push(Command::Solve(found.settings.clone()));
-        }
-    }
-}
-
-/// A solve in one line.
-fn describe(found: &Finished) -> String {
-    let settings = &found.settings;
-    let resolution = settings.resolution.unwrap_or_else(|| settings.method.default_resolution());
-    let error = found.budget.map_or("-".to_owned(), |b| percent(b.total.error));
-    format!(
-        "{} patches, {} {resolution}: {error} in {}",
-        units::count(found.patches),
-        settings.method.name(),
-        units::duration(found.seconds)
-    )
 }
 
 /// The error or the time that the user names, and the button that goes for it.
@@ -240,7 +233,8 @@ fn goal(ui: &mut egui::Ui, model: &Model<'_>, out: &mut Commands) {
     }
 }
 
-fn percent(share: f64) -> String {
+/// A share in percent.
+pub(super) fn percent(share: f64) -> String {
     if !share.is_finite() {
         "unknown".to_owned()
     } else if share > 0.0 && share < 1e-5 {

@@ -183,9 +183,14 @@ fn mesh(ui: &mut egui::Ui, model: &Model<'_>, out: &mut Commands) {
         item(ui, out, quantity.name(), "", true, Command::SetDisplay(display.showing(quantity)));
     }
     ui.separator();
-    for quantity in
-        [Quantity::Escape, Quantity::Closure, Quantity::Reciprocity, Quantity::Residual, Quantity::Unshot]
-    {
+    for quantity in [
+        Quantity::Error,
+        Quantity::Escape,
+        Quantity::Closure,
+        Quantity::Reciprocity,
+        Quantity::Residual,
+        Quantity::Unshot,
+    ] {
         item(ui, out, quantity.name(), "", true, Command::SetDisplay(display.showing(quantity)));
     }
     ui.separator();

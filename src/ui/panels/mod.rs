@@ -3,6 +3,7 @@
 pub(super) mod accuracy;
 pub(super) mod display;
 pub(super) mod doctor;
+mod error_chart;
 pub(super) mod help;
 mod hemicube;
 pub(super) mod inspect;

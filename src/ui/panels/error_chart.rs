@@ -1,0 +1,189 @@
+//! Error against seconds, drawn as the solve runs, beside all solves of this session.
+
+use super::accuracy::percent;
+use super::{Commands, Model};
+use crate::ui::command::Command;
+use crate::ui::runs::{Finished, nearest};
+use crate::ui::{theme, units};
+use egui::{Color32, RichText, vec2};
+use egui_plot::{
+    GridMark, HoverPosition, Line, LineStyle, MarkerShape, Plot, PlotPoint, PlotPoints, Points, Text,
+};
+use std::ops::RangeInclusive;
+
+/// Solves of other scenes.
+const ELSEWHERE: Color32 = Color32::from_gray(96);
+/// Where a solve on its way stands before there is a curve of two points.
+const DOT: f32 = 3.5;
+
+/// Shows the chart, once there is anything to show.
+pub(super) fn show(ui: &mut egui::Ui, model: &Model<'_>, out: &mut Commands) {
+    let auditor = model.auditor;
+    let runs = &auditor.runs;
+    let logarithms = |points: &[[f64; 2]]| -> Vec<[f64; 2]> {
+        let valid = points.iter().filter(|p| p[0] > 0.0 && p[1] > 0.0);
+        valid.map(|[s, e]| [s.log10(), (100.0 * e).log10()]).collect()
+    };
+    let place = |f: &Finished| {
+        let error = f.budget.map(|b| b.total.error)?;
+        logarithms(&[[f.seconds, error]]).pop()
+    };
+    let here = |f: &&Finished| f.is_here;
+    let known: Vec<[f64; 2]> = runs.finished.iter().filter(here).filter_map(place).collect();
+    let running = super::solver::is_running(model.snapshot.stage);
+    let rest = auditor.rest_foreseen(model.snapshot);
+    let live = match runs.last() {
+        // Until it has been checked a solve that has ended stands where it was foreseen to.
+        Some(last) if !running && last.budget.is_none() => logarithms(&last.curve(rest)),
+        _ if running => logarithms(&runs.live(rest)),
+        _ => Vec::new(),
+    };
+    let elsewhere: Vec<&Finished> =
+        runs.finished.iter().filter(|f| !f.is_here && f.budget.is_some()).collect();
+    if known.is_empty() && live.is_empty() && elsewhere.is_empty() {
+        return;
+    }
+    let foreseen = logarithms(&auditor.curve);
+    ui.add_space(4.0);
+    let current = runs.last().and_then(place);
+    let response = Plot::new("error against seconds")
+        .height(132.0)
+        .allow_drag(false)
+        .allow_zoom(false)
+        .allow_scroll(false)
+        .allow_boxed_zoom(false)
+        .allow_double_click_reset(false)
+        .set_margin_fraction(vec2(0.08, 0.12))
+        .x_grid_spacer(|axis| marks(axis.bounds))
+        .y_grid_spacer(|axis| marks(axis.bounds))
+        .x_axis_formatter(|mark, shown| label(&mark, shown, "s"))
+        .y_axis_formatter(|mark, shown| label(&mark, shown, "%"))
+        .label_formatter(|hover| match hover {
+            HoverPosition::NearDataPoint { position, .. } => {
+                let found = nearest(runs, [position.x, position.y])?;
+                let what = if found.is_here { "click to solve so again" } else { "another scene" };
+                Some(format!("{}\n{what}", describe(found)))
+            }
+            HoverPosition::Elsewhere { .. } => None,
+        })
+        .show(ui, |plot| {
+            let thin = |name: &str, points: Vec<[f64; 2]>, colour: Color32| {
+                Line::new(name.to_owned(), PlotPoints::from(points))
+                    .color(colour)
+                    .width(1.0)
+                    .allow_hover(false)
+            };
+            for (k, run) in elsewhere.iter().enumerate() {
+                plot.line(thin("elsewhere", logarithms(&run.curve(0.0)), ELSEWHERE.gamma_multiply(0.6)));
+                let Some(at) = place(run) else { continue };
+                plot.points(
+                    Points::new("elsewhere", PlotPoints::from(vec![at])).color(ELSEWHERE).radius(2.5),
+                );
+                // One label a scene, at its latest solve.
+                if elsewhere[k + 1..].iter().all(|later| later.scene != run.scene) {
+                    let name = RichText::new(&run.scene).size(10.0);
+                    let above = PlotPoint::new(at[0], at[1] + 0.08);
+                    plot.text(Text::new("elsewhere", above, name).color(ELSEWHERE).allow_hover(false));
+                }
+            }
+            for run in runs.finished.iter().filter(here).filter(|f| f.budget.is_some()) {
+                plot.line(thin("fall", logarithms(&run.curve(0.0)), theme::TEXT_WEAK.gamma_multiply(0.7)));
+            }
+            if foreseen.len() > 1 {
+                let line = thin("foreseen", foreseen, theme::TEXT_WEAK);
+                plot.line(line.style(LineStyle::dashed_loose()));
+            }
+            plot.points(
+                Points::new("solves", PlotPoints::from(known))
+                    .color(theme::TEXT_WEAK)
+                    .radius(3.0)
+                    .filled(true),
+            );
+            if let Some(&now) = live.last() {
+                plot.line(thin("this solve", live, theme::ACCENT).width(1.8));
+                let now = Points::new("now", PlotPoints::from(vec![now]));
+                plot.points(now.color(theme::ACCENT).radius(DOT).filled(true).allow_hover(false));
+            } else if let Some(current) = current.filter(|_| !running) {
+                let marker = Points::new("on screen", PlotPoints::from(vec![current]));
+                plot.points(marker.color(theme::ACCENT).shape(MarkerShape::Diamond).radius(5.5).filled(true));
+            }
+        });
+    if running && rest == 0.0 {
+        let text =
+            "Of this solve so far: what sweeps still change. Patches and form factors are checked after it.";
+        ui.label(RichText::new(text).small().color(theme::TEXT_WEAK));
+    }
+    let clicked = response.response.interact_pointer_pos().filter(|_| response.response.clicked());
+    if let Some(at) = clicked {
+        let value = response.transform.value_from_position(at);
+        if let Some(found) = nearest(runs, [value.x, value.y])
+            && found.is_here
+            && found.settings != model.snapshot.settings
+        {
+            out.push(Command::Solve(found.settings.clone()));
+        }
+    }
+}
+
+/// Marks at 1, 2 and 5 of each decade of the part of a logarithmic axis that is shown.
+fn marks((low, high): (f64, f64)) -> Vec<GridMark> {
+    if !(low.is_finite() && high.is_finite() && high - low < 40.0) {
+        return Vec::new();
+    }
+    let decades = low.floor() as i32..=high.ceil() as i32;
+    decades
+        .flat_map(|decade| {
+            [(1.0_f64, 1.0), (2.0, 0.3), (5.0, 0.3)].map(|(multiple, step_size)| GridMark {
+                value: f64::from(decade) + multiple.log10(),
+                step_size,
+            })
+        })
+        .filter(|mark| (low..=high).contains(&mark.value))
+        .collect()
+}
+
+/// The number at a mark; between decades only where there is room.
+fn label(mark: &GridMark, shown: &RangeInclusive<f64>, unit: &str) -> String {
+    let decades = shown.end() - shown.start();
+    if mark.step_size < 1.0 && decades > 1.2 {
+        return String::new();
+    }
+    let value = 10.0_f64.powf(mark.value);
+    // 1, 2 or 5 of a decade: one digit.
+    let digits = (-(mark.value + 1e-9).floor()).max(0.0) as usize;
+    format!("{value:.digits$} {unit}")
+}
+
+/// A solve in one line.
+fn describe(found: &Finished) -> String {
+    let settings = &found.settings;
+    let resolution = settings.resolution.unwrap_or_else(|| settings.method.default_resolution());
+    let error = found.budget.map_or("-".to_owned(), |b| percent(b.total.error));
+    format!(
+        "{}: {} patches, {} {resolution}: {error} in {}",
+        found.scene,
+        units::count(found.patches),
+        settings.method.name(),
+        units::duration(found.seconds)
+    )
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn marks_are_labelled_where_there_is_room() {
+        let told = |low: f64, high: f64| -> Vec<String> {
+            marks((low, high))
+                .into_iter()
+                .map(|m| label(&m, &(low..=high), "s"))
+                .filter(|text| !text.is_empty())
+                .collect()
+        };
+        assert_eq!(told(0.2, 1.1), ["2 s", "5 s", "10 s"]);
+        assert_eq!(told(-2.0, 1.0), ["0.01 s", "0.1 s", "1 s", "10 s"]);
+        assert_eq!(told(-0.75, 0.0), ["0.2 s", "0.5 s", "1 s"]);
+        assert!(marks((f64::NEG_INFINITY, 0.0)).is_empty() && marks((0.0, f64::NAN)).is_empty());
+    }
+}
