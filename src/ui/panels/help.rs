@@ -74,11 +74,7 @@ pub(in crate::ui) fn show(ui: &egui::Ui, out: &mut Commands) {
         .resizable(false)
         .collapsible(false)
         .vscroll(true)
-<<<<<<< HEAD
         .default_height(496.0)
-=======
-        .default_height(490.0)
->>>>>>> window
         .max_height(screen.y - 90.0)
         .show(ui.ctx(), |ui| {
             ui.set_width(WIDTH.min(screen.x - 60.0));
