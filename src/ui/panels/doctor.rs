@@ -152,7 +152,7 @@ fn details(ui: &mut Ui, scene: &Scene, finding: &Finding, chosen: Option<usize>,
                 };
             if let Some(chosen) = chosen {
                 let step = |ui: &mut Ui, text: &str, to: usize| {
-                    ui.small_button(text).clicked().then(|| Command::Doctor(Ask::Place(to)))
+                    ui.small_button(text).clicked().then_some(Command::Doctor(Ask::Place(to)))
                 };
                 out.extend(step(ui, "Previous place", (chosen + count - 1) % count));
                 out.extend(step(ui, "Next place", (chosen + 1) % count));
