@@ -15,6 +15,7 @@ use super::panels::{self, Commands, Model};
 use super::path_dialog::{Answer, PathDialog};
 use super::picture::Picture;
 use super::reclaim::Reclaim;
+use super::recovery::{Handover, Legacy};
 use super::state::{DisplaySettings, Edits, Quantity, UiState};
 use super::touring::{Plan, Playing};
 use super::viewport::Viewport;
@@ -99,6 +100,10 @@ pub struct App {
     pub(super) dismissed: Option<String>,
     /// The error of the worker that was shown last.
     worker_error: Option<String>,
+    /// What a window before this one left, until its scene is on screen.
+    pub(super) inherited: Option<Handover>,
+    /// Where this one leaves its state.
+    pub(super) legacy: Option<Legacy>,
     frame_secs: f64,
     memory: (f64, Option<u64>),
 }
@@ -124,7 +129,8 @@ impl App {
         theme::apply(&cc.egui_ctx);
         cc.egui_ctx.add_plugin(input::TabKey::default());
         let clock = FrameClock::default();
-        let viewport = cc.wgpu_render_state.clone().map(|state| Viewport::new(state, clock.drawing()));
+        let viewport =
+            cc.wgpu_render_state.clone().map(|state| Viewport::new(state, clock.drawing(), &cc.egui_ctx));
         Self {
             snapshot: worker.latest(),
             worker,
@@ -168,6 +174,8 @@ impl App {
             view_size_px: [1, 1],
             dismissed: None,
             worker_error: None,
+            inherited: None,
+            legacy: None,
             frame_secs: 0.0,
             memory: (f64::NEG_INFINITY, None),
             state,
@@ -244,6 +252,7 @@ impl App {
         self.follow_microscope(ctx);
         let time = ctx.input(|i| i.time);
         self.follow_error(time);
+        self.look_after_device(ctx, time);
         self.audit(ctx, time);
         if let Some(prepared) = &self.picture.prepared {
             let wake = ctx.clone();

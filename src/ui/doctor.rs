@@ -7,7 +7,7 @@ use super::camera_control::Motion;
 use super::picture::Prepared;
 use crate::geometry::{Aabb, Ray, polygon};
 use crate::mesh;
-use crate::scene::{self, Examination, Finding, Scene, Severity, View};
+use crate::scene::{self, Examination, Finding, FindingKind, Scene, Severity, View};
 use glam::DVec3;
 use std::sync::Arc;
 
@@ -35,17 +35,23 @@ pub(super) enum Spot {
     Point(DVec3),
 }
 
-/// The places of a finding in the order of the panel.
+/// The places of a finding in the order of the panel: those first that say most exactly where it is.
 pub(super) fn spot(finding: &Finding, place: usize) -> Option<Spot> {
+    use FindingKind::{Crack, Interpenetration, Leak, TVertex};
     let places = &finding.places;
-    let (faces, edges) = (places.faces.len(), places.edges.len());
-    if let Some(&face) = places.faces.get(place) {
-        return Some(Spot::Face(face));
-    }
-    if let Some(&edge) = places.edges.get(place - faces) {
-        return Some(Spot::Edge(edge));
-    }
-    places.points.get(place - faces - edges).map(|&point| Spot::Point(point))
+    let (faces, lines) = (places.faces.len(), places.edges.len() + places.points.len());
+    // Of a seam the faces beside it tell less than the seam itself.
+    let seam = matches!(finding.kind, Crack | Interpenetration | Leak | TVertex);
+    let (before, face, line) = match seam {
+        true => (lines, place.checked_sub(lines), Some(place)),
+        false => (faces, Some(place), place.checked_sub(faces)),
+    };
+    let line = line.filter(|_| (place < before) == seam).and_then(|k| {
+        let edge = places.edges.get(k).map(|&edge| Spot::Edge(edge));
+        edge.or_else(|| places.points.get(k - places.edges.len()).map(|&point| Spot::Point(point)))
+    });
+    let face = face.filter(|_| (place < before) != seam);
+    line.or_else(|| places.faces.get(face?).map(|&face| Spot::Face(face)))
 }
 
 /// How many places a finding remembers.
@@ -184,8 +190,8 @@ impl App {
         };
         let worth = |way: DVec3| {
             let front =
-                if normal == DVec3::ZERO { 0.3 } else { 0.8 * way.dot(normal).abs() + 0.4 * way.dot(normal) };
-            free(way) / wanted + front + 0.3 * way.dot(here)
+                if normal == DVec3::ZERO { 0.3 } else { 0.8 * way.dot(normal).abs() + 0.1 * way.dot(normal) };
+            free(way) / wanted + front + 0.6 * way.dot(here)
         };
         let best = ways.into_iter().max_by(|a, b| worth(*a).total_cmp(&worth(*b))).unwrap_or(here);
         let view = View {
@@ -198,5 +204,29 @@ impl App {
         self.state.motion = Motion::Fly;
         let pose = camera.pose_of(&view);
         camera.travel_to(pose);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_place_is_there_once_and_seams_come_before_faces() {
+        let far = DVec3::splat(9.0);
+        for kind in [FindingKind::Crack, FindingKind::Winding] {
+            let mut finding = Finding::new(kind, Severity::Note, "");
+            finding.places.faces = vec![7, 8];
+            finding.places.edges = vec![[DVec3::ZERO, DVec3::X], [DVec3::ZERO, DVec3::Y]];
+            finding.places.points = vec![far];
+            let all: Vec<Spot> = (0..spots(&finding)).filter_map(|place| spot(&finding, place)).collect();
+            let (x, y) = (Spot::Edge([DVec3::ZERO, DVec3::X]), Spot::Edge([DVec3::ZERO, DVec3::Y]));
+            let expected = match kind {
+                FindingKind::Crack => [x, y, Spot::Point(far), Spot::Face(7), Spot::Face(8)],
+                _ => [Spot::Face(7), Spot::Face(8), x, y, Spot::Point(far)],
+            };
+            assert_eq!(all, expected);
+            assert_eq!(spot(&finding, 5), None);
+        }
     }
 }

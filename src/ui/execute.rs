@@ -366,6 +366,7 @@ impl App {
                 self.state.eye_height,
             )
         });
+        self.inherit();
     }
 
     /// Side by side and back; the first time the present light becomes A.
