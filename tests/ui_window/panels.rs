@@ -247,7 +247,7 @@ fn method_and_patches_ask_for_another_solve() {
     harness.run_steps(20);
     click(&mut harness, "Form factors");
     click(&mut harness, "Hemicube (1985)");
-    assert_eq!(worker.requests(), ["settings Hemicube Count(700)"]);
+    assert_eq!(worker.requests(), ["settings AlignedHemicube Count(700)"]);
 }
 
 #[test]
