@@ -210,3 +210,23 @@ fn embedded_scenes_are_listed_and_written_out_without_overwriting_edits() {
     place.succeed(&["scenes", "--export", "out", "--force"]);
     assert!(place.text("out/house.toml").contains("[[view]]"));
 }
+
+#[test]
+fn a_repaired_copy_is_told_and_the_model_is_refused_as_its_place() {
+    let place = Workplace::with_room(0.5);
+    let before = place.text("room.obj");
+    // A wall twice.
+    place.put("room.obj", &format!("{before}o wall_east\nusemtl paint\nf 2 3 7 6\n"));
+    let model = place.text("room.obj");
+    let told = place.succeed(&["check", "room.obj", "--repair", "copy.obj"]);
+    assert!(told.contains("there twice were dropped (1, in 'wall_east', line"), "{told}");
+    assert!(told.contains("repaired copy: copy.obj"), "{told}");
+    assert_eq!((place.text("room.obj"), place.text("copy.toml")), (model.clone(), place.text("room.toml")));
+    let again = place.succeed(&["check", "copy.obj", "--repair", "third.obj"]);
+    assert!(!again.contains("there twice") && again.contains("nothing had to be mended"), "{again}");
+    let said = place.fail(2, &["check", "room.obj", "--repair", "./room.obj"]);
+    assert!(said.contains("a file of the model itself"), "{said}");
+    let said = place.fail(1, &["check", "room.obj", "--repair", "nowhere/copy.obj"]);
+    assert!(said.contains("folder does not exist"), "{said}");
+    assert_eq!(place.text("room.obj"), model);
+}
