@@ -9,6 +9,7 @@ use lumenwalk::scene::SceneSource;
 use lumenwalk::session::{MaterialEdit, Session, Snapshot, SolveSettings, Stage};
 use std::path::Path;
 use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, channel};
 use std::time::Duration;
 
@@ -91,6 +92,36 @@ fn a_switched_lamp_recomputes_nothing() {
     assert_eq!(before, solution.light(&lighting), "and shows no more once undone");
     let now = watched.session.latest();
     assert_eq!(now.serial, snapshot.serial, "the worker has not stirred");
+}
+
+#[test]
+fn a_panic_in_the_worker_is_told_and_the_session_goes_on() {
+    // The host's own callback panics in the middle of an answer, once: on the worker's thread, like any
+    // error of the solver.
+    let (tell, news) = channel();
+    let armed = Arc::new(AtomicBool::new(false));
+    let trap = Arc::clone(&armed);
+    let session = Session::spawn(move || {
+        assert!(!trap.swap(false, Ordering::SeqCst), "provoked");
+        tell.send(()).unwrap_or(());
+    });
+    let watched = Watched { session: session.expect("a thread"), news };
+    watched.session.set_settings(coarse(300));
+    let before = watched.open_builtin("hemicube");
+    armed.store(true, Ordering::SeqCst);
+    watched.session.set_settings(coarse(350));
+    let failed = watched.until("message", |s| s.stage == Stage::Failed);
+    let message = failed.error.as_deref().expect("it says so");
+    assert!(message.contains("error of its own (provoked)"), "{message}");
+    assert!(failed.scene.is_some() && failed.bases.is_some(), "what is on screen stays");
+    assert!(Arc::ptr_eq(failed.scene.as_ref().unwrap(), before.scene.as_ref().unwrap()));
+    // The next wish, whatever it is, brings the scene back; so does opening another.
+    watched.session.set_settings(coarse(300));
+    let again = watched.until("convergence", |s| s.stage == Stage::Converged && s.serial > failed.serial);
+    assert_eq!(again.error, None);
+    assert_eq!(again.scene.as_ref().unwrap().name, "hemicube");
+    let other = watched.open_builtin("cornell");
+    assert_eq!(other.scene.as_ref().unwrap().name, "cornell");
 }
 
 #[test]
@@ -187,7 +218,9 @@ fn a_missing_file_leaves_the_present_scene() {
     let watched = Watched::coarse();
     let first = watched.open_builtin("cornell");
     watched.session.open(SceneSource::File("no/such/file.obj".into()));
-    let failed = watched.until("failure", |s| s.stage == Stage::Failed);
+    let failed = watched.until("failure", |s| s.error.is_some());
+    assert_eq!((failed.stage, failed.fraction), (Stage::Converged, 1.0), "the present scene stands whole");
+    assert_eq!(failed.last_change, first.last_change);
     let message = failed.error.clone().expect("a message");
     assert!(message.contains("file.obj") && !message.contains('\n'), "{message}");
     assert!(Arc::ptr_eq(failed.scene.as_ref().unwrap(), first.scene.as_ref().unwrap()));
@@ -197,6 +230,29 @@ fn a_missing_file_leaves_the_present_scene() {
     let edited = watched.converged(&failed);
     assert_eq!(recomputed(&edited).0, 0, "{}", edited.last_change);
     assert_eq!(edited.error, None);
+}
+
+#[test]
+fn a_file_that_is_refused_interrupts_a_solve_and_forgets_no_edit() {
+    let watched = Watched::coarse();
+    watched.session.set_settings(coarse(3000));
+    watched.session.open(SceneSource::Builtin("hemicube".to_owned()));
+    watched.until("rows", |s| s.rows.0 > 20);
+    watched.session.open(SceneSource::File("no/such/file.obj".into()));
+    let whole = watched.until("convergence", |s| s.stage == Stage::Converged);
+    assert!(whole.error.as_deref().is_some_and(|e| e.contains("file.obj")), "{:?}", whole.error);
+    assert_eq!(whole.scene.as_ref().unwrap().name, "hemicube");
+    assert_eq!(whole.rows.0, whole.rows.1);
+
+    watched.session.set_materials(vec![MaterialEdit { material: 0, reflectance: [0.2; 3] }]);
+    let edited = watched.converged(&whole);
+    watched.session.open(SceneSource::File("no/such/file.obj".into()));
+    let refused = watched.until("refusal", |s| s.error.is_some());
+    assert_eq!(refused.reflectance, edited.reflectance);
+    watched.session.set_settings(SolveSettings { tolerance: 1e-7, ..coarse(3000) });
+    let tighter = watched.until("convergence", |s| s.stage == Stage::Converged && s.error.is_none());
+    assert_eq!(tighter.reflectance, edited.reflectance, "the edit is still in force");
+    assert_eq!(tighter.error, None);
 }
 
 #[test]

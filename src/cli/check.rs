@@ -1,8 +1,14 @@
 use super::failure::Failure;
 use super::report::severity_name;
 use super::text;
-use crate::scene::{self, Finding, SceneSource, Severity, Summary};
+use crate::mesh::{self, MeshSettings};
+use crate::outputs::save_repaired;
+use crate::scene::{self, Crossing, Finding, Scene, SceneSource, Severity, Summary};
 use clap::Args;
+use std::path::{Path, PathBuf};
+
+/// Models of more surfaces take long to be cut into patches.
+const MOST_SURFACES: usize = 40_000;
 
 /// Tell what a file holds and what is wrong with it
 ///
@@ -12,17 +18,58 @@ pub(super) struct Arguments {
     /// An OBJ file, or builtin:NAME
     #[arg(value_name = "SCENE")]
     scene: String,
+    /// Write a mended copy, with its MTL and sidecar beside it; the model itself stays as it is
+    #[arg(long, value_name = "OUT.obj")]
+    repair: Option<PathBuf>,
 }
 
 pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
     let scene = scene::load(&SceneSource::from(arguments.scene.as_str()))?;
     let mut findings = scene.findings.clone();
-    findings.extend(scene::check(&scene));
-    text::print(&format!("{}{}", Summary::of(&scene), describe(&mut findings)))?;
+    let examination = scene::examine(&scene);
+    findings.extend(examination.findings);
+    findings.extend(of_patches(&scene, &examination.crossings));
+    let mut told = format!("{}{}", Summary::of(&scene), describe(&mut findings));
+    if let Some(copy) = &arguments.repair {
+        told += &repair(copy, &scene)?;
+    }
+    text::print(&told)?;
     if findings.iter().any(|finding| finding.severity == Severity::Error) {
         return Err(Failure::Told);
     }
     Ok(())
+}
+
+/// Writes the copy and tells what was done to it.
+fn repair(copy: &Path, scene: &Scene) -> Result<String, Failure> {
+    let mended = save_repaired(copy, scene)?;
+    let mut told = format!("repaired copy: {}\n", copy.display());
+    if mended.done.is_empty() {
+        told += "  nothing had to be mended\n";
+    }
+    for line in &mended.done {
+        told += &format!("  {line}\n");
+    }
+    for line in &mended.left {
+        told += &format!("  left: {line}\n");
+    }
+    Ok(told)
+}
+
+/// What the patches of the scene tell, where it is small enough to be cut into them at once.
+fn of_patches(scene: &Scene, crossings: &[Crossing]) -> Vec<Finding> {
+    if scene.surfaces.len() > MOST_SURFACES {
+        let message = format!(
+            "unlit parts and cut patches were not looked for among {} surfaces; open the model in the window for that",
+            text::thousands(scene.surfaces.len())
+        );
+        return vec![Finding::unsearched(message)];
+    }
+    match mesh::build(scene, &MeshSettings::default()) {
+        Ok(mesh) => mesh::checkup(scene, &mesh, crossings),
+        // A solve would say the same, as an error.
+        Err(error) => vec![Finding::unsearched(format!("the model was not cut into patches: {error}"))],
+    }
 }
 
 /// The findings, worst first, and a line that counts them.
@@ -30,7 +77,7 @@ fn describe(findings: &mut [Finding]) -> String {
     findings.sort_by_key(|finding| std::cmp::Reverse(finding.severity));
     let mut out = String::new();
     for finding in &*findings {
-        out += &format!("{}: {}\n", severity_name(finding.severity), finding.message);
+        out += &format!("{}: {finding}\n", severity_name(finding.severity));
     }
     let of = |severity| findings.iter().filter(|finding| finding.severity == severity).count();
     let counts = [
@@ -47,7 +94,8 @@ mod tests {
 
     #[test]
     fn findings_come_worst_first_and_are_counted() {
-        let finding = |severity, message: &str| Finding { severity, message: message.into(), count: 1 };
+        let finding =
+            |severity, message: &str| Finding { severity, ..Finding::unsearched(message.to_owned()) };
         let mut findings = [
             finding(Severity::Note, "a"),
             finding(Severity::Error, "b"),

@@ -1,6 +1,7 @@
 use super::text;
 use crate::export::{ExportError, PointsError};
 use crate::mesh::MeshError;
+use crate::outputs::RepairError;
 use crate::scene::SceneError;
 use crate::session::PipelineError;
 use std::process::ExitCode;
@@ -65,6 +66,17 @@ impl From<MeshError> for Failure {
 impl From<ExportError> for Failure {
     fn from(error: ExportError) -> Self {
         Self::Work(error.into())
+    }
+}
+
+impl From<RepairError> for Failure {
+    fn from(error: RepairError) -> Self {
+        match error {
+            RepairError::Scene(error) => error.into(),
+            RepairError::Export(error) => error.into(),
+            // The name was the user's choice.
+            RepairError::Original(_) | RepairError::ForeignSidecar(_) => Self::Input(error.into()),
+        }
     }
 }
 

@@ -5,7 +5,7 @@ use super::text;
 use crate::display::Exposure;
 use crate::export::atomic;
 use crate::outputs::{StillKind, save_still};
-use crate::render::{Tour, walking_pace};
+use crate::render::{FreeSpace, Tour, person_scale, walking_pace};
 use crate::scene::Scene;
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -24,6 +24,8 @@ pub(super) struct FrameFolder {
     folder: PathBuf,
     tour: Tour,
     frames: usize,
+    /// Sentences on where it goes straight through walls.
+    barred: String,
 }
 
 impl FrameFolder {
@@ -34,15 +36,19 @@ impl FrameFolder {
     /// of a longer tour: they would look like the end of this one.
     pub(super) fn ready(folder: &Path, scene: &Scene, fps: f64) -> Result<Self, Failure> {
         let (up, bounds) = (scene.up.vector(), scene.bounds());
-        let pace = walking_pace(bounds.size().dot(up), bounds.diagonal());
-        let tour = Tour::through(&scene.views, up, pace).ok_or_else(|| {
+        let height = bounds.size().dot(up).abs();
+        let eyes: Vec<_> = scene.views.iter().map(|view| view.eye).collect();
+        let space = FreeSpace::new(&scene.triangles(), &eyes, up, person_scale(height));
+        let pace = walking_pace(height, bounds.diagonal());
+        let tour = Tour::walk(&scene.views, up, pace, &space).ok_or_else(|| {
             Failure::input(format!(
                 "a tour needs two bookmarks at least, and {} has {}",
                 scene.name,
                 scene.views.len()
             ))
         })?;
-        let planned = Self { folder: folder.to_owned(), frames: tour.frames(fps), tour };
+        let planned =
+            Self { barred: barred(&tour, scene), folder: folder.to_owned(), frames: tour.frames(fps), tour };
         let refused = |error: std::io::Error| {
             let context = format!("cannot write frames into {}", folder.display());
             Failure::work(anyhow::Error::new(error).context(context))
@@ -65,7 +71,7 @@ impl FrameFolder {
     /// What was written, in a line.
     pub(super) fn told(&self) -> String {
         let (frames, seconds) = (text::count(self.frames, "frame"), text::seconds(self.tour.seconds()));
-        format!("wrote {frames}, a tour of {seconds}, into {}\n", self.folder.display())
+        format!("{}wrote {frames}, a tour of {seconds}, into {}\n", self.barred, self.folder.display())
     }
 
     fn path(&self, index: usize) -> PathBuf {
@@ -101,6 +107,13 @@ impl FrameFolder {
             .collect();
         smoothed(&metered, ADAPTS_WITHIN / spacing)
     }
+}
+
+/// A line for each bookmark from which no way leads to the next.
+fn barred(tour: &Tour, scene: &Scene) -> String {
+    let legs = tour.barred().iter().filter_map(|&k| scene.views.get(k).zip(scene.views.get(k + 1)));
+    legs.map(|(from, to)| format!("no way leads from {} to {}: the tour goes straight\n", from.name, to.name))
+        .collect()
 }
 
 /// The number of a frame by its file's name.

@@ -33,6 +33,16 @@ impl Aabb {
         Self { min: self.min.min(other.min), max: self.max.max(other.max) }
     }
 
+    /// Whether the two have a point in common, their faces included.
+    pub fn meets(&self, other: &Self) -> bool {
+        self.min.cmple(other.max).all() && other.min.cmple(self.max).all()
+    }
+
+    /// The box grown by `margin` on every side.
+    pub fn grown(self, margin: f64) -> Self {
+        Self { min: self.min - margin, max: self.max + margin }
+    }
+
     /// Whether no point has been included yet.
     pub fn is_empty(&self) -> bool {
         self.min.x > self.max.x

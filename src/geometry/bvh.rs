@@ -139,6 +139,29 @@ impl Bvh {
         blocked
     }
 
+    /// Calls `found` with the index of each triangle whose box meets `bounds`, in no order that means
+    /// anything but always the same.
+    pub fn touching(&self, bounds: &Aabb, mut found: impl FnMut(u32)) {
+        let mut stack = Vec::with_capacity(MAX_DEPTH);
+        stack.extend((!self.nodes.is_empty()).then_some(0_u32));
+        while let Some(index) = stack.pop() {
+            let node = &self.nodes[index as usize];
+            if !node.bounds.meets(bounds) {
+                continue;
+            }
+            if node.count == 0 {
+                stack.extend([node.first, index + 1]);
+                continue;
+            }
+            let leaf = node.first as usize..(node.first + node.count) as usize;
+            for (&[a, ab, ac], &id) in self.triangles[leaf.clone()].iter().zip(&self.order[leaf]) {
+                if Aabb::around([a, a + ab, a + ac]).meets(bounds) {
+                    found(id);
+                }
+            }
+        }
+    }
+
     /// Calls `found` for each nearer and nearer hit; it returns the new limit, or `None` to stop.
     fn walk(&self, ray: &Ray, min: f64, mut max: f64, mut found: impl FnMut(Hit) -> Option<f64>) {
         if self.nodes.is_empty() {
@@ -314,6 +337,30 @@ mod tests {
             hits += usize::from(brute.is_some());
         }
         assert!(hits > 100, "the test must hit something: {hits}");
+    }
+
+    #[test]
+    fn the_boxes_that_meet_one_are_those_of_the_brute_force_search() {
+        let triangles: Vec<[DVec3; 3]> = numbers(9 * 300)
+            .chunks_exact(9)
+            .map(|c| {
+                let a = DVec3::new(c[0], c[1], c[2]);
+                [a, a + 0.1 * DVec3::new(c[3], c[4], c[5]), a + 0.1 * DVec3::new(c[6], c[7], c[8])]
+            })
+            .collect();
+        let bvh = Bvh::build(&triangles);
+        let mut met = 0;
+        for c in numbers(6 * 100).chunks_exact(6) {
+            let corner = DVec3::new(c[0], c[1], c[2]);
+            let bounds = Aabb::around([corner, corner + 0.2 * DVec3::new(c[3], c[4], c[5])]);
+            let (mut found, mut brute) = (Vec::new(), Vec::new());
+            bvh.touching(&bounds, |i| found.push(i));
+            brute.extend((0..300_u32).filter(|&i| Aabb::around(triangles[i as usize]).meets(&bounds)));
+            found.sort_unstable();
+            assert_eq!(found, brute);
+            met += brute.len();
+        }
+        assert!(met > 50, "{met}");
     }
 
     #[test]

@@ -5,6 +5,7 @@
 //! [`Piece`] or several, and pieces are grouped into [`Patch`]es, at most one a side.
 
 mod build;
+mod checkup;
 mod neighbours;
 mod patches;
 mod pieces;
@@ -13,6 +14,7 @@ mod regions;
 mod types;
 
 pub use build::{Backs, MeshError, MeshSettings, PatchTarget, build};
+pub use checkup::checkup;
 pub use neighbours::Contact;
 pub(crate) use reach::cosine_direction;
 pub use types::{MeshStatistics, NO_PATCH, Patch, PatchMesh, Piece, PieceCorner, Region, Side};

@@ -3,8 +3,10 @@
 
 mod lit_mesh;
 mod patch_table;
+mod repaired;
 mod still;
 
 pub use lit_mesh::save_lit_mesh;
 pub use patch_table::{LitScene, save_patch_table};
+pub use repaired::{RepairError, save_repaired};
 pub use still::{StillKind, StillLight, save_still};

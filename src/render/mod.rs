@@ -4,7 +4,9 @@
 //! the worker or the window.
 
 mod camera;
+mod clearance;
 mod frame;
+mod free_space;
 mod gpu;
 mod pick;
 mod pipelines;
@@ -19,6 +21,7 @@ mod viewport;
 
 pub use camera::Camera;
 pub use frame::{ColourSource, FrameInput};
+pub use free_space::FreeSpace;
 pub use gpu::{Gpu, GpuError, read_texture};
 pub use pick::{Pick, Picker};
 pub use still::{Still, StillInput, StillOptions, render_still};

@@ -1,4 +1,4 @@
-use super::Camera;
+use super::{Camera, FreeSpace};
 use crate::scene::View;
 use glam::DVec3;
 use std::f64::consts::{PI, TAU};
@@ -15,6 +15,14 @@ const SHORTEST_LEG: f64 = 0.25;
 const EASE: f64 = 1.2;
 /// Samples of arc length between two bookmarks.
 const SAMPLES: usize = 256;
+/// Samples of arc length from one trial for collisions to the next.
+const TRIED_EVERY: usize = 16;
+/// Rounds in which a curve that swings into something is held to its straight way.
+const HOLD_ROUNDS: usize = 6;
+/// A way so many times as long as the straight one counts as bent: there the tour looks where it goes.
+const BENT: f64 = 1.05;
+/// Time from one place where a tour turns to its way to the next, seconds of walking.
+const LOOK_AHEAD: f64 = 0.7;
 
 /// Metres of the model to one metre of an adult: below one where a room of `height` metres is too low
 /// to stand in (the Cornell box measures 0.55 m).
@@ -30,7 +38,7 @@ pub fn walking_pace(height: f64, diagonal: f64) -> f64 {
 }
 
 /// A walk through bookmarks: a smooth way at an even pace, turning evenly, setting out and arriving
-/// softly.
+/// softly. Where the straight way from one to the next is barred it leads around, looking ahead.
 ///
 /// The eye follows a centripetal Catmull-Rom curve (Barry & Goldman 1988; Yuksel, Schaefer & Keyser
 /// 2011), measured by arc length. Way, heading, pitch and field of view are monotone cubics over time
@@ -39,15 +47,17 @@ pub fn walking_pace(height: f64, diagonal: f64) -> f64 {
 pub struct Tour {
     up: DVec3,
     axes: [DVec3; 2],
-    /// Bookmarks that differ in place, with one beyond each end.
+    /// Bookmarks that differ in place and what lies between them, with one beyond each end.
     points: Vec<DVec3>,
     /// Way covered at each sample of the curve, metres.
     lengths: Vec<f64>,
-    /// When each bookmark is passed, seconds of an even walk.
+    /// When each bookmark, and each place where the tour turns to its way, is passed, seconds of an even
+    /// walk.
     times: Vec<f64>,
-    /// Way, heading, pitch and field of view at each bookmark, each with its slope a second.
+    /// Way, heading, pitch and field of view at each of them, each with its slope a second.
     tracks: [Track; 4],
     ease: f64,
+    barred: Vec<usize>,
 }
 
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -57,36 +67,51 @@ struct Track {
 }
 
 impl Tour {
-    /// The tour through `views` in their order; `up` is a unit vector, `pace` the speed of walking in
-    /// metres a second, above zero. `None` for fewer than two views, or any that is not finite.
+    /// The tour through `views` in their order, straight through whatever stands between them; `up` is a
+    /// unit vector, `pace` the speed of walking in metres a second, above zero. `None` for fewer than two
+    /// views, or any that is not finite.
     pub fn through(views: &[View], up: DVec3, pace: f64) -> Option<Self> {
+        Self::planned(views, up, pace, None)
+    }
+
+    /// As [`Tour::through`], on ways through `space` that pass through nothing. Where there is none the
+    /// tour goes straight: see [`Tour::barred`].
+    pub fn walk(views: &[View], up: DVec3, pace: f64, space: &FreeSpace) -> Option<Self> {
+        Self::planned(views, up, pace, Some(space))
+    }
+
+    fn planned(views: &[View], up: DVec3, pace: f64, space: Option<&FreeSpace>) -> Option<Self> {
         let is_finite = |v: &View| v.eye.is_finite() && v.target.is_finite() && v.fov_y_deg.is_finite();
         if views.len() < 2 || !(pace > 0.0 && pace.is_finite()) || !views.iter().all(is_finite) {
             return None;
         }
+        let mut route = Route::new(views, pace, space);
+        if let Some(space) = space {
+            route.hold(space);
+        }
+        let Route { stops, mut points, mut place_of, barred } = route;
         let right = up.any_orthonormal_vector();
         let axes = [right, up.cross(right)];
-        let mut points: Vec<DVec3> = Vec::with_capacity(views.len() + 2);
-        let mut place_of: Vec<usize> = Vec::with_capacity(views.len());
-        for view in views {
-            if points.last().is_none_or(|last| last.distance(view.eye) > 1e-6 * pace) {
-                points.push(view.eye);
-            }
-            place_of.push(points.len() - 1);
-        }
         let lengths = with_ends(&mut points);
-        let way: Vec<f64> = place_of.iter().map(|&place| lengths[place * SAMPLES]).collect();
-        let (headings, pitches) = directions(views, up, axes);
-        let fovs: Vec<f64> = views.iter().map(|v| v.fov_y_deg.clamp(5.0, 150.0)).collect();
+        let way_to = |place: usize| lengths[place * SAMPLES];
+        let stations = looking_ahead(&stops, &mut place_of, &points, &lengths, LOOK_AHEAD * pace, up);
+        let way: Vec<f64> = place_of.iter().map(|&place| way_to(place)).collect();
+        let (headings, pitches) = directions(&stations, up, axes);
+        let fovs: Vec<f64> = stations.iter().map(|v| v.fov_y_deg.clamp(5.0, 150.0)).collect();
         let mut times = vec![0.0];
-        for k in 1..views.len() {
+        for k in 1..stations.len() {
             let turn = (headings[k] - headings[k - 1]).abs().max((pitches[k] - pitches[k - 1]).abs());
             let seconds = ((way[k] - way[k - 1]) / pace).max(turn / TURN_RATE).max(SHORTEST_LEG);
             times.push(times[k - 1] + seconds);
         }
         let ease = EASE.min(0.5 * times[times.len() - 1]);
         let tracks = [way, headings, pitches, fovs].map(|values| Track::new(&times, values));
-        Some(Self { up, axes, points, lengths, times, tracks, ease })
+        Some(Self { up, axes, points, lengths, times, tracks, ease, barred })
+    }
+
+    /// Views from which no free way to the next was found: there the tour goes straight.
+    pub fn barred(&self) -> &[usize] {
+        &self.barred
     }
 
     /// How long it takes, seconds.
@@ -179,6 +204,99 @@ impl Track {
     }
 }
 
+/// The points that a tour passes.
+struct Route {
+    stops: Vec<View>,
+    /// Those that differ.
+    points: Vec<DVec3>,
+    /// The point of each stop.
+    place_of: Vec<usize>,
+    barred: Vec<usize>,
+}
+
+impl Route {
+    fn new(views: &[View], pace: f64, space: Option<&FreeSpace>) -> Self {
+        let (mut points, mut place_of, mut barred): (Vec<DVec3>, _, _) = (Vec::new(), Vec::new(), Vec::new());
+        let apart = 1e-6 * pace;
+        for (index, view) in views.iter().enumerate() {
+            if let (Some(&last), Some(space)) = (points.last(), space) {
+                match space.way(last, view.eye) {
+                    Some(between) => between.into_iter().for_each(|point| {
+                        if points.last().is_some_and(|last| last.distance(point) > apart) {
+                            points.push(point);
+                        }
+                    }),
+                    None => barred.extend(index.checked_sub(1)),
+                }
+            }
+            if points.last().is_none_or(|last| last.distance(view.eye) > apart) {
+                points.push(view.eye);
+            }
+            place_of.push(points.len() - 1);
+        }
+        Self { stops: views.to_vec(), points, place_of, barred }
+    }
+
+    /// Sets points on the straight ways that the curve leaves for a collision.
+    fn hold(&mut self, space: &FreeSpace) {
+        for _ in 0..HOLD_ROUNDS {
+            let mut ended = self.points.clone();
+            add_ends(&mut ended);
+            let collides = |leg: usize| {
+                let place = |k: usize| catmull_rom(&ended[leg..], k as f64 / SAMPLES as f64);
+                let steps = (0..SAMPLES).step_by(TRIED_EVERY);
+                steps.into_iter().any(|k| !space.sees(place(k), place(k + TRIED_EVERY)))
+            };
+            let is_held = |leg: usize| space.sees(self.points[leg], self.points[leg + 1]) && collides(leg);
+            let held: Vec<usize> = (0..self.points.len() - 1).filter(|&leg| is_held(leg)).collect();
+            if held.is_empty() {
+                return;
+            }
+            for &leg in held.iter().rev() {
+                self.points.insert(leg + 1, 0.5 * (self.points[leg] + self.points[leg + 1]));
+                self.place_of.iter_mut().filter(|place| **place > leg).for_each(|place| *place += 1);
+            }
+        }
+    }
+}
+
+/// The stops, and between those whose way is bent views along it, as far apart as `spacing`, metres.
+/// `place_of` tells the point of each and `points` has one beyond each end.
+fn looking_ahead(
+    stops: &[View],
+    place_of: &mut Vec<usize>,
+    points: &[DVec3],
+    lengths: &[f64],
+    spacing: f64,
+    up: DVec3,
+) -> Vec<View> {
+    let mut stations = vec![stops[0].clone()];
+    let mut places = vec![place_of[0]];
+    for (ends, stop) in place_of.windows(2).zip(stops.windows(2)) {
+        let way_to = |place: usize| lengths[place * SAMPLES];
+        let [start, end] = [ends[0], ends[1]].map(way_to);
+        let is_bent = end - start > BENT * stop[0].eye.distance(stop[1].eye);
+        let mut last = start;
+        for place in (ends[0] + 1..ends[1]).filter(|_| is_bent) {
+            let here = way_to(place);
+            let level = points[place + 2] - points[place];
+            let ahead = level - up * level.dot(up);
+            if here - last < spacing || end - here < spacing || ahead.length() < 1e-6 * spacing {
+                continue;
+            }
+            last = here;
+            let (eye, share) = (points[place + 1], (here - start) / (end - start));
+            let fov_y_deg = stop[0].fov_y_deg + (stop[1].fov_y_deg - stop[0].fov_y_deg) * share;
+            stations.push(View { name: String::new(), eye, target: eye + ahead, fov_y_deg });
+            places.push(place);
+        }
+        stations.push(stop[1].clone());
+        places.push(ends[1]);
+    }
+    *place_of = places;
+    stations
+}
+
 /// Heading about `up`, unwrapped the short way round, and pitch of each view, radians.
 fn directions(views: &[View], up: DVec3, axes: [DVec3; 2]) -> (Vec<f64>, Vec<f64>) {
     let (mut headings, mut pitches): (Vec<f64>, Vec<f64>) = (Vec::new(), Vec::new());
@@ -195,8 +313,8 @@ fn directions(views: &[View], up: DVec3, axes: [DVec3; 2]) -> (Vec<f64>, Vec<f64
     (headings, pitches)
 }
 
-/// Sets a point beyond each end, and gives the way covered at each sample of the curve.
-fn with_ends(points: &mut Vec<DVec3>) -> Vec<f64> {
+/// Sets a point beyond each end.
+fn add_ends(points: &mut Vec<DVec3>) {
     let count = points.len();
     let mirrored = |end: DVec3, next: DVec3| 2.0 * end - next;
     let (first, last) = (points[0], points[count - 1]);
@@ -206,6 +324,12 @@ fn with_ends(points: &mut Vec<DVec3>) -> Vec<f64> {
     };
     points.insert(0, before);
     points.push(after);
+}
+
+/// Sets a point beyond each end, and gives the way covered at each sample of the curve.
+fn with_ends(points: &mut Vec<DVec3>) -> Vec<f64> {
+    let (count, first) = (points.len(), points[0]);
+    add_ends(points);
     let mut lengths = vec![0.0];
     let mut from = first;
     for leg in 0..count - 1 {

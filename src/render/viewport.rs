@@ -31,20 +31,24 @@ impl ViewportRenderer {
     pub fn new(device: &wgpu::Device, queue: &wgpu::Queue, target_format: wgpu::TextureFormat) -> Self {
         let mut pipelines = Pipelines::new(device);
         pipelines.prepare_composite(device, target_format);
-        let sampler = |label, address, mipmaps| {
+        let sampler = |label, address, filter, mipmaps| {
             device.create_sampler(&wgpu::SamplerDescriptor {
                 label: Some(label),
                 address_mode_u: address,
                 address_mode_v: address,
-                mag_filter: wgpu::FilterMode::Linear,
-                min_filter: wgpu::FilterMode::Linear,
+                mag_filter: filter,
+                min_filter: filter,
                 mipmap_filter: mipmaps,
                 ..Default::default()
             })
         };
-        let clamped = wgpu::AddressMode::ClampToEdge;
-        let picture_sampler = sampler("picture", clamped, wgpu::MipmapFilterMode::Nearest);
-        let texture_sampler = sampler("texture", wgpu::AddressMode::Repeat, wgpu::MipmapFilterMode::Linear);
+        let (clamped, repeated) = (wgpu::AddressMode::ClampToEdge, wgpu::AddressMode::Repeat);
+        let (nearest, linear) = (wgpu::FilterMode::Nearest, wgpu::FilterMode::Linear);
+        let (one_level, levels) = (wgpu::MipmapFilterMode::Nearest, wgpu::MipmapFilterMode::Linear);
+        // The picture has the pixels of the window: nothing to blend.
+        let picture_sampler = sampler("picture", clamped, nearest, one_level);
+        let map_sampler = sampler("colour maps", clamped, linear, one_level);
+        let texture_sampler = sampler("texture", repeated, linear, levels);
         let frame_buffer = device.create_buffer(&wgpu::BufferDescriptor {
             label: Some("frame"),
             size: size_of::<FrameUniform>() as u64,
@@ -61,10 +65,7 @@ impl ViewportRenderer {
                     binding: 1,
                     resource: wgpu::BindingResource::TextureView(&colour_maps),
                 },
-                wgpu::BindGroupEntry {
-                    binding: 2,
-                    resource: wgpu::BindingResource::Sampler(&picture_sampler),
-                },
+                wgpu::BindGroupEntry { binding: 2, resource: wgpu::BindingResource::Sampler(&map_sampler) },
             ],
         });
         Self {
@@ -280,7 +281,7 @@ impl ViewportRenderer {
     }
 
     /// Puts the prepared picture onto the whole viewport of `pass`, encoded for its format, with
-    /// half a code of dither. Draws nothing before the first [`ViewportRenderer::prepare`].
+    /// half a code of dither, pixel by pixel: both should have the size of the frame. Draws nothing before the first [`ViewportRenderer::prepare`].
     pub fn paint(&self, pass: &mut wgpu::RenderPass<'_>) {
         self.paint_as(pass, self.target_format);
     }

@@ -1,10 +1,11 @@
 //! One path from texts to a [`Scene`], for files and embedded scenes alike.
 
 use super::error::SceneError;
+use super::finding::{Finding, FindingKind, Severity};
 use super::luminaires::{Parts, gather};
 use super::repair::repair;
 use super::sidecar::{Sidecar, Source};
-use super::types::{Finding, Scene, SceneSource, Severity};
+use super::types::{Scene, SceneSource};
 use super::{builtin, mtl, names, obj, views};
 use crate::geometry::Aabb;
 use glam::DVec3;
@@ -93,7 +94,7 @@ fn display(path: &Path) -> String {
 }
 
 /// Reads a plain file; devices and pipes could go on for ever.
-fn read_file(path: &Path) -> io::Result<Vec<u8>> {
+pub(super) fn read_file(path: &Path) -> io::Result<Vec<u8>> {
     let metadata = std::fs::metadata(path)?;
     if metadata.is_dir() {
         return Err(io::ErrorKind::IsADirectory.into());
@@ -105,7 +106,7 @@ fn read_file(path: &Path) -> io::Result<Vec<u8>> {
 }
 
 /// A file named in a model: as given, with `\` for `/`, or by its last part beside the model.
-fn read_beside(folder: &Path, file: &str) -> io::Result<Vec<u8>> {
+pub(super) fn read_beside(folder: &Path, file: &str) -> io::Result<Vec<u8>> {
     let slashed = file.replace('\\', "/");
     let last = slashed.rsplit('/').next().unwrap_or_default();
     let mut result = read_file(&folder.join(file));
@@ -203,5 +204,5 @@ fn absurd_size(scene: &Scene) -> Option<Finding> {
          set its unit (mm, cm, m, in or ft) in {}.toml if metres are wrong",
         scene.name
     );
-    Some(Finding { severity: Severity::Warning, message, count: 1 })
+    Some(Finding::new(FindingKind::Unit, Severity::Warning, message))
 }

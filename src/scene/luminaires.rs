@@ -237,7 +237,7 @@ fn flux(positions: &[DVec3], surface: &Surface, exitance: [f64; 3]) -> f64 {
 }
 
 /// Makes the back of a surface its front.
-fn turn(surface: &mut Surface, normals: &mut Vec<DVec3>) {
+pub(super) fn turn(surface: &mut Surface, normals: &mut Vec<DVec3>) {
     surface.corners.reverse();
     for corner in &mut surface.corners {
         if let Some(normal) = corner.normal {

@@ -18,8 +18,10 @@ pub mod builtin;
 mod colour;
 mod doctor;
 mod error;
+mod finding;
 mod import;
 mod luminaires;
+mod mend;
 mod mtl;
 mod names;
 mod obj;
@@ -27,20 +29,24 @@ mod repair;
 mod sidecar;
 mod sidecar_write;
 mod summary;
+mod tally;
 mod textures;
 mod types;
 mod views;
 
 pub use colour::black_body;
-pub use doctor::check;
+pub use doctor::{Crossing, Examination, check, examine};
 pub use error::SceneError;
+pub use finding::{Finding, FindingKind, MOST_PLACES, Places, Severity};
 pub use import::{from_text, load, sidecar_path};
 pub use luminaires::lumens;
+pub use mend::{Mended, mend};
+pub(crate) use names::list as name_list;
 pub use names::nearest as nearest_names;
 pub use sidecar_write::{sidecar_text, write_sidecar};
 pub use summary::{LuminaireSummary, MaterialSummary, Summary};
 pub use types::{
-    Corner, Finding, LampState, LengthUnit, Lighting, Luminaire, Material, Scene, SceneSource, Severity,
-    Sides, Surface, Texture, UpAxis, View,
+    Corner, LampState, LengthUnit, Lighting, Luminaire, Material, Scene, SceneSource, Sides, Surface,
+    Texture, UpAxis, View,
 };
 pub use types::{LUMINOUS_EFFICACY, MAX_REFLECTANCE, illuminance, luminance_weighted};

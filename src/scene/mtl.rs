@@ -1,10 +1,11 @@
 //! MTL text to materials. As for OBJ, a scan checks each line before `tobj` parses it.
 
 use super::error::SceneError;
+use super::finding::{Finding, FindingKind, Severity};
 use super::names;
 use super::obj::{NO_MATERIAL, Scan, keyword, logical_lines, words};
 use super::textures::Textures;
-use super::types::{Finding, MAX_REFLECTANCE, Material, Severity, Sides};
+use super::types::{MAX_REFLECTANCE, Material, Sides};
 use std::f64::consts::PI;
 use std::fmt::Write as _;
 
@@ -77,7 +78,7 @@ pub(super) fn read(
 }
 
 /// `mtllib` may list several files, and one name may hold spaces: the whole is tried first.
-fn library_files(
+pub(super) fn library_files(
     given: &str,
     read: &dyn Fn(&str) -> std::io::Result<Vec<u8>>,
 ) -> Vec<(String, std::io::Result<Vec<u8>>)> {
@@ -91,11 +92,11 @@ fn library_files(
 
 impl Library {
     fn warn(&mut self, message: String) {
-        self.findings.push(Finding { severity: Severity::Warning, message, count: 1 });
+        self.findings.push(Finding::new(FindingKind::Material, Severity::Warning, message));
     }
 
     fn note(&mut self, message: String) {
-        self.findings.push(Finding { severity: Severity::Note, message, count: 1 });
+        self.findings.push(Finding::new(FindingKind::Material, Severity::Note, message));
     }
 
     fn scan(&mut self, file: &str, text: &str) -> Result<(), SceneError> {
@@ -293,7 +294,7 @@ pub(super) fn repair_reflectance(given: [f64; 3], largest: f64) -> ([f64; 3], Op
 }
 
 /// The file name after the options of a `map_` statement (`-s 1 1 1`, `-clamp on`...).
-fn image_name(rest: &str) -> String {
+pub(super) fn image_name(rest: &str) -> String {
     let mut rest = rest.trim();
     while let Some(option) = rest.strip_prefix('-') {
         let (name, mut tail) = keyword(option);

@@ -3,7 +3,7 @@
 use std::collections::HashSet;
 
 /// `'a', 'b' and 3 more`: at most four names, each once, in the order given.
-pub(super) fn list<'a>(names: impl IntoIterator<Item = &'a str>) -> String {
+pub(crate) fn list<'a>(names: impl IntoIterator<Item = &'a str>) -> String {
     const SHOWN: usize = 4;
     let mut seen = HashSet::new();
     let distinct: Vec<&str> = names.into_iter().filter(|name| seen.insert(*name)).collect();

@@ -6,8 +6,8 @@
 //! number of an entry in [`Obj::objects`] before the faces that belong to it.
 
 use super::error::SceneError;
+use super::finding::{Finding, FindingKind, MOST_PLACES, Places, Severity};
 use super::names;
-use super::types::{Finding, Severity};
 use glam::{DVec2, DVec3};
 use std::collections::{HashMap, HashSet};
 use std::fmt::Write as _;
@@ -38,6 +38,8 @@ pub(super) struct Face {
     pub(super) corners: Vec<(u32, Option<u32>, Option<u32>)>,
     pub(super) object: u32,
     pub(super) material: u32,
+    /// Line of the file, from one.
+    pub(super) line: u32,
 }
 
 /// What the scan of the text found.
@@ -56,6 +58,7 @@ pub(super) struct Scan {
 /// What is known of a face besides what `tobj` tells.
 #[derive(Clone, Copy, Debug)]
 struct Mark {
+    line: u32,
     corners: u32,
     has_uvs: bool,
     has_normals: bool,
@@ -114,7 +117,8 @@ struct Scanner<'a> {
     names_changed: bool,
     material_changed: bool,
     any_face: bool,
-    short_faces: (usize, usize),
+    /// Their lines.
+    short_faces: Vec<u32>,
     unread: Vec<String>,
     broken_normals: usize,
 }
@@ -168,31 +172,33 @@ impl Scanner<'_> {
     }
 
     fn report(&mut self) {
-        let (short, first) = self.short_faces;
-        if short > 0 {
-            self.scan.findings.push(Finding {
-                severity: Severity::Warning,
-                message: format!(
-                    "faces with fewer than three corners were dropped ({short}, first in line {first})"
-                ),
-                count: short,
-            });
+        let short = self.short_faces.len();
+        if let Some(first) = self.short_faces.first() {
+            let message =
+                format!("faces with fewer than three corners were dropped ({short}, first in line {first})");
+            let lines = self.short_faces.iter().copied().take(MOST_PLACES).collect();
+            self.scan.findings.push(
+                Finding::new(FindingKind::Degenerate, Severity::Warning, message)
+                    .counted(short)
+                    .with("they have no area to carry light")
+                    .at(Places { lines, ..Places::default() }),
+            );
         }
         if self.broken_normals > 0 {
-            self.scan.findings.push(Finding {
-                severity: Severity::Warning,
-                message: format!("vertex normals that are no numbers were ignored ({})", self.broken_normals),
-                count: self.broken_normals,
-            });
+            let message =
+                format!("vertex normals that are no numbers were ignored ({})", self.broken_normals);
+            self.scan.findings.push(
+                Finding::new(FindingKind::Normals, Severity::Warning, message)
+                    .counted(self.broken_normals)
+                    .with("their faces are shaded flat"),
+            );
         }
         if !self.unread.is_empty() {
             let count = self.unread.len();
             let kinds = names::list(self.unread.iter().map(String::as_str));
-            self.scan.findings.push(Finding {
-                severity: Severity::Note,
-                message: format!("lines that start with {kinds} are not polygons and were skipped ({count})"),
-                count,
-            });
+            let message =
+                format!("lines that start with {kinds} are not polygons and were skipped ({count})");
+            self.scan.findings.push(Finding::new(FindingKind::File, Severity::Note, message).counted(count));
         }
     }
 
@@ -247,16 +253,13 @@ impl Scanner<'_> {
             corners.push(self.corner(line, word)?);
         }
         if corners.len() < 3 {
-            if self.short_faces.0 == 0 {
-                self.short_faces.1 = line;
-            }
-            self.short_faces.0 += 1;
+            self.short_faces.push(line as u32);
             return Ok(());
         }
         self.open_object();
         let has_uvs = corners.iter().all(|c| c[1].is_some());
         let has_normals = corners.iter().all(|c| c[2].is_some());
-        self.scan.marks.push(Mark { corners: corners.len() as u32, has_uvs, has_normals });
+        self.scan.marks.push(Mark { line: line as u32, corners: corners.len() as u32, has_uvs, has_normals });
         self.scan.clean.push('f');
         for [position, uv, normal] in corners {
             let _ = write!(self.scan.clean, " {}", position.unwrap_or(0) + 1);
@@ -371,7 +374,8 @@ pub(super) fn parse(file: &str, scan: Scan, materials: &tobj::MTLLoadResult) -> 
                     Some((look_up(&place, &mesh.indices, k)?, normal, uv))
                 })
                 .collect();
-            obj.faces.push(Face { corners: corners.ok_or_else(unexpected)?, object, material });
+            let corners = corners.ok_or_else(unexpected)?;
+            obj.faces.push(Face { corners, object, material, line: mark.line });
         }
     }
     obj.positions = positions.values.into_iter().map(DVec3::from).collect();

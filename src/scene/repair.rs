@@ -1,9 +1,10 @@
 //! Polygons of a file made fit for light: each planar, simple and of some area, and there once.
 //! Whatever is dropped or changed is counted and named by object.
 
-use super::names;
+use super::finding::{Finding, FindingKind, Severity};
 use super::obj::{Face, Obj};
-use super::types::{Corner, Finding, Severity, Surface};
+use super::tally::Tally;
+use super::types::{Corner, Surface};
 use crate::geometry::{Frame, polygon};
 use glam::{DVec2, DVec3};
 use std::collections::HashMap;
@@ -23,21 +24,6 @@ pub(super) struct Repaired {
     pub(super) surfaces: Vec<Surface>,
     pub(super) normals: Vec<DVec3>,
     pub(super) findings: Vec<Finding>,
-}
-
-/// Object numbers of the faces that met the same fate.
-#[derive(Default)]
-struct Tally(Vec<u32>);
-
-impl Tally {
-    fn report(&self, objects: &[String], severity: Severity, what: &str, findings: &mut Vec<Finding>) {
-        let count = self.0.len();
-        if count == 0 {
-            return;
-        }
-        let place = names::list(self.0.iter().map(|&o| objects[o as usize].as_str()));
-        findings.push(Finding { severity, message: format!("{what} ({count}, in {place})"), count });
-    }
 }
 
 /// Makes surfaces of faces. `positions` are in metres; `emits` tells which materials emit.
@@ -95,9 +81,9 @@ impl<'a> Workshop<'a> {
     }
 
     fn admit(&mut self, face: &Face) {
-        let corners = without_repetitions(&face.corners);
+        let (corners, positions) = (without_repetitions(&face.corners), self.positions);
         if corners.len() < face.corners.len() {
-            self.repeated.0.push(face.object);
+            self.repeated.add(face.object, face.line, face.corners.iter().map(|c| positions[c.0 as usize]));
         }
         let outline: Vec<DVec3> = corners.iter().map(|c| self.at(c)).collect();
         let Some((normal, size)) = plane(&outline) else {
@@ -115,27 +101,28 @@ impl<'a> Workshop<'a> {
             self.push(face, &corners, normal);
             return;
         }
-        if is_bent { &mut self.bent } else { &mut self.crossed }.0.push(face.object);
         let filled = self.push_triangles(face, &corners, &outline, &flat, normal);
         let area = polygon::area_vector(&outline).length();
-        if is_crossed && (filled - area).abs() > 1e-3 * area {
-            self.crossed.0.pop();
-            self.mangled.0.push(face.object);
-        }
+        let tally = match is_bent {
+            true => &mut self.bent,
+            false if (filled - area).abs() > 1e-3 * area => &mut self.mangled,
+            false => &mut self.crossed,
+        };
+        tally.add(face.object, face.line, outline.iter().copied());
     }
 
     /// Splits an outline whose signed areas cancel, along the plane that its corners span best.
     fn admit_crossed(&mut self, face: &Face, corners: &[(u32, Option<u32>, Option<u32>)], outline: &[DVec3]) {
         let spanned = (corners.len() > 3).then(|| widest_plane(outline)).flatten();
         let Some(normal) = spanned else {
-            self.flat.0.push(face.object);
+            self.flat.add(face.object, face.line, outline.iter().copied());
             return;
         };
         let frame = Frame::around(normal);
         let flat: Vec<DVec2> = outline.iter().map(|&p| in_plane(&frame, p - outline[0])).collect();
         let filled = self.push_triangles(face, corners, outline, &flat, normal);
         let tally = if filled > 0.0 { &mut self.mangled } else { &mut self.flat };
-        tally.0.push(face.object);
+        tally.add(face.object, face.line, outline.iter().copied());
     }
 
     /// Pushes the triangles of an outline and returns their area.
@@ -172,6 +159,7 @@ impl<'a> Workshop<'a> {
             luminaire: None,
             emission_weight: [0.0; 3],
             emits_back: false,
+            line: Some(face.line),
         });
     }
 
@@ -188,15 +176,15 @@ impl<'a> Workshop<'a> {
             .collect();
         let Some(given) = given else { return vec![None; corners.len()] };
         if given.iter().any(|(_, n)| *n == DVec3::ZERO) {
-            self.bad_normals.0.push(face.object);
+            self.bad_normals.add(face.object, face.line, std::iter::empty());
             return vec![None; corners.len()];
         }
         let against = given.iter().filter(|(_, n)| n.dot(normal) < 0.0).count();
         let turn = against == given.len();
         if turn {
-            self.turned_normals.0.push(face.object);
+            self.turned_normals.add(face.object, face.line, std::iter::empty());
         } else if against > 0 {
-            self.bad_normals.0.push(face.object);
+            self.bad_normals.add(face.object, face.line, std::iter::empty());
             return vec![None; corners.len()];
         }
         if given.iter().all(|(_, n)| n.dot(normal).abs() > SAME_NORMAL) {
@@ -228,16 +216,19 @@ impl<'a> Workshop<'a> {
                 continue;
             }
             let same_side = self.normal_of(first).dot(self.normal_of(index)) > 0.0;
-            let (kept, object) = (&self.surfaces[first], surface.object);
+            let kept = &self.surfaces[first];
             if kept.material == surface.material {
                 keep[index] = false;
-                if same_side { &mut self.twice } else { &mut self.two_sided }.0.push(object);
+                let tally = if same_side { &mut self.twice } else { &mut self.two_sided };
+                tally.add(surface.object, surface.line.unwrap_or(0), outline_of(self.positions, surface));
             } else if same_side {
                 // Two materials on one side cannot both be seen: the lamp wins, else the first.
                 let lamp_is_later = emits[surface.material as usize] && !emits[kept.material as usize];
                 let dropped = if lamp_is_later { first } else { index };
                 keep[dropped] = false;
-                self.contested.0.push(self.surfaces[dropped].object);
+                let surface = &self.surfaces[dropped];
+                let outline = outline_of(self.positions, surface);
+                self.contested.add(surface.object, surface.line.unwrap_or(0), outline);
                 if lamp_is_later {
                     *slot = index;
                 }
@@ -253,31 +244,82 @@ impl<'a> Workshop<'a> {
         polygon::area_vector(&outline)
     }
 
-    fn finish(self) -> Repaired {
-        let mut findings = Vec::new();
-        let objects = &self.obj.objects;
-        let warning = Severity::Warning;
-        self.flat.report(objects, warning, "faces without an area were dropped", &mut findings);
-        self.twice.report(objects, warning, "faces that are there twice were dropped", &mut findings);
-        let what = "faces given once for each side were joined into one, which faces as the first did";
-        self.two_sided.report(objects, Severity::Note, what, &mut findings);
-        let what = "faces that lie exactly on a face of another material were dropped";
-        self.contested.report(objects, warning, what, &mut findings);
-        let what = "faces that are not planar were split into triangles";
-        self.bent.report(objects, Severity::Note, what, &mut findings);
-        let what = "faces whose outline touches itself were split into triangles";
-        self.crossed.report(objects, Severity::Note, what, &mut findings);
-        let what = "faces whose outline crosses itself were filled as well as it can be done";
-        self.mangled.report(objects, warning, what, &mut findings);
-        let what = "faces with repeated corners were cleaned of them";
-        self.repeated.report(objects, Severity::Note, what, &mut findings);
-        let what = "faces with zero or contradicting vertex normals are shaded flat";
-        self.bad_normals.report(objects, Severity::Note, what, &mut findings);
-        let what = "faces whose vertex normals oppose their corner order had the normals turned; \
-                    the corner order decides which side is the front";
-        self.turned_normals.report(objects, Severity::Note, what, &mut findings);
+    fn finish(mut self) -> Repaired {
+        use FindingKind::{Degenerate, Duplicate, NonPlanar, Normals, SelfCrossing};
+        use Severity::{Note, Warning};
+        let (mut findings, objects) = (Vec::new(), &self.obj.objects);
+        let normals_note = "light does not ask for them, only the shading of the picture";
+        for (tally, kind, what, consequence) in [
+            (
+                &mut self.flat,
+                (Degenerate, Warning),
+                "faces without an area were dropped",
+                "they have none to carry light",
+            ),
+            (
+                &mut self.twice,
+                (Duplicate, Warning),
+                "faces that are there twice were dropped",
+                "one of each is lit",
+            ),
+            (
+                &mut self.two_sided,
+                (Duplicate, Note),
+                "faces given once for each side were joined into one, which faces as the first did",
+                "it is lit on every side that light reaches",
+            ),
+            (
+                &mut self.contested,
+                (Duplicate, Warning),
+                "faces that lie exactly on a face of another material were dropped",
+                "the lamp is lit and seen, else the first of them",
+            ),
+            (
+                &mut self.bent,
+                (NonPlanar, Note),
+                "faces that are not planar were split into triangles",
+                "each triangle is lit by itself",
+            ),
+            (
+                &mut self.crossed,
+                (SelfCrossing, Note),
+                "faces whose outline touches itself were split into triangles",
+                "they keep their area",
+            ),
+            (
+                &mut self.mangled,
+                (SelfCrossing, Warning),
+                "faces whose outline crosses itself were filled as well as it can be done",
+                "their area may differ from what was meant",
+            ),
+            (
+                &mut self.repeated,
+                (Degenerate, Note),
+                "faces with repeated corners were cleaned of them",
+                "their shape is the same",
+            ),
+            (
+                &mut self.bad_normals,
+                (Normals, Note),
+                "faces with zero or contradicting vertex normals are shaded flat",
+                normals_note,
+            ),
+            (
+                &mut self.turned_normals,
+                (Normals, Note),
+                "faces whose vertex normals oppose their corner order had the normals turned; \
+                 the corner order decides which side is the front",
+                "",
+            ),
+        ] {
+            tally.report(objects, kind, what, consequence, &mut findings);
+        }
         Repaired { surfaces: self.surfaces, normals: self.normals, findings }
     }
+}
+
+fn outline_of<'a>(positions: &'a [DVec3], surface: &'a Surface) -> impl Iterator<Item = DVec3> + use<'a> {
+    surface.corners.iter().map(|c| positions[c.position as usize])
 }
 
 /// Without corners that stand twice in a row, and without spikes (there and back again).
@@ -376,6 +418,7 @@ mod tests {
                     corners: corners.iter().map(|&c| (c, None, None)).collect(),
                     object: 0,
                     material: *material,
+                    line: 1,
                 })
                 .collect(),
             objects: vec!["thing".to_owned()],
@@ -508,6 +551,7 @@ mod tests {
             corners: (0..3).map(|k| (k as u32, Some(normals[k]), None)).collect(),
             object: 0,
             material: 0,
+            line: 1,
         };
         let obj = Obj {
             positions: positions.clone(),

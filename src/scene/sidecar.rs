@@ -1,9 +1,10 @@
 //! The sidecar `NAME.toml` beside `NAME.obj`: what an OBJ file cannot say.
 
 use super::error::SceneError;
+use super::finding::{Finding, FindingKind, Severity};
 use super::mtl::repair_reflectance;
 use super::names;
-use super::types::{Finding, LengthUnit, MAX_REFLECTANCE, Material, Severity, Sides, UpAxis, View};
+use super::types::{LengthUnit, MAX_REFLECTANCE, Material, Sides, UpAxis, View};
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
 use std::collections::HashSet;
@@ -281,7 +282,7 @@ impl Sidecar {
                         names::short(name),
                         source.file
                     );
-                    findings.push(Finding { severity: Severity::Warning, message, count: 1 });
+                    findings.push(Finding::new(FindingKind::Material, Severity::Warning, message));
                 }
             }
             if let Some(sides) = entry.sides {

@@ -1,3 +1,4 @@
+use super::finding::Finding;
 use crate::geometry::Aabb;
 use glam::{DVec2, DVec3};
 use std::path::PathBuf;
@@ -69,6 +70,11 @@ impl Scene {
         surface.corners.iter().map(|c| self.positions[c.position as usize]).collect()
     }
 
+    /// Triangles of all surfaces, metres.
+    pub fn triangles(&self) -> Vec<[DVec3; 3]> {
+        super::views::triangles(&self.positions, &self.surfaces).0
+    }
+
     /// The state in which the lamps come with the file.
     pub fn lighting(&self) -> Lighting {
         Lighting { lamps: self.luminaires.iter().map(|l| l.initial).collect() }
@@ -131,6 +137,8 @@ pub struct Surface {
     pub emission_weight: [f64; 3],
     /// Whether the back side emits as the front does.
     pub emits_back: bool,
+    /// Line of the OBJ file that it stands in, from one; `None` where it comes from no file.
+    pub line: Option<u32>,
 }
 
 /// One corner of a [`Surface`]: indices into the scene's arrays.
@@ -311,26 +319,4 @@ impl UpAxis {
             Self::Z => DVec3::Z,
         }
     }
-}
-
-/// How much a [`Finding`] matters.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub enum Severity {
-    /// Good to know.
-    Note,
-    /// Repaired or doubtful; the result may differ from what was meant.
-    Warning,
-    /// Wrong; the part concerned was left out.
-    Error,
-}
-
-/// Something that the reader noticed about a model.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Finding {
-    /// How much it matters.
-    pub severity: Severity,
-    /// One sentence with names, counts and what was done about it.
-    pub message: String,
-    /// How many faces or materials it concerns.
-    pub count: usize,
 }

@@ -42,7 +42,12 @@ impl Recompute {
             "materials".to_owned()
         };
         let kept = if self.kept_rows { " (geometry unchanged, rows kept)" } else { "" };
-        let time = if seconds < 1.0 { format!("{:.0} ms", seconds * 1e3) } else { format!("{seconds:.1} s") };
+        // A line is never broken before the unit.
+        let time = if seconds < 1.0 {
+            format!("{:.0}\u{a0}ms", seconds * 1e3)
+        } else {
+            format!("{seconds:.1}\u{a0}s")
+        };
         format!("{what}: {} rows{kept}, {} sweeps, {time}", self.rows, self.sweeps)
     }
 }

@@ -67,7 +67,8 @@ pub struct Snapshot {
     pub timings: Timings,
     /// What the last request recomputed: "materials: 0 rows, 3 sweeps, 40 ms".
     pub last_change: String,
-    /// Why the last request failed, in one sentence; `None` once a request succeeds.
+    /// Why the last request failed, in one sentence; `None` once a request succeeds. A scene or settings
+    /// that were refused leave the present scene and its stage whole.
     pub error: Option<String>,
     /// Settings in force.
     pub settings: SolveSettings,
@@ -153,6 +154,8 @@ impl Session {
                     on_news: &on_news,
                     snapshot: Snapshot::default(),
                     state: State::default(),
+                    settled: None,
+                    refused: None,
                     pool: &pool,
                 };
                 worker.run();
@@ -250,6 +253,10 @@ struct Worker<'a> {
     on_news: &'a (dyn Fn() + Send + Sync),
     snapshot: Snapshot,
     state: State,
+    /// How the solve of the present scene ended, where it has: converged or stopped.
+    settled: Option<Stage>,
+    /// Why the present request was refused, while the present scene goes on.
+    refused: Option<String>,
     /// Apart from the threads that the window draws with: a frame must not queue behind a row.
     pool: &'a ThreadPool,
 }
@@ -274,18 +281,22 @@ impl Worker<'_> {
             answered = wanted.generation;
             let clock = Instant::now();
             let pool = self.pool;
+            self.refused = None;
             let outcome = catch_unwind(AssertUnwindSafe(|| pool.install(|| self.answer(&wanted))));
             match outcome {
                 Ok(Ok(done)) => {
-                    self.snapshot.last_change = done.sentence(&wanted, clock.elapsed().as_secs_f64());
-                    self.snapshot.error = None;
-                    self.publish(Stage::Converged);
+                    if self.refused.is_none() {
+                        self.snapshot.last_change = done.sentence(&wanted, clock.elapsed().as_secs_f64());
+                    }
+                    self.snapshot.error = self.refused.take();
+                    self.settle(Stage::Converged);
                 }
                 Ok(Err(Failure::Cancelled)) => {
                     if self.shared.stopped.load(Ordering::Acquire) {
-                        self.publish(Stage::Stopped);
+                        self.settle(Stage::Stopped);
                     }
                 }
+                Ok(Err(Failure::Refused(stage))) => self.publish(stage),
                 Ok(Err(Failure::Said(message))) => {
                     self.snapshot.error = Some(message);
                     self.publish(Stage::Failed);
@@ -300,47 +311,48 @@ impl Worker<'_> {
                         "the solver stopped by an error of its own ({text}); reopen the scene to go on"
                     ));
                     self.state = State::default();
+                    self.settled = None;
                     self.publish(Stage::Failed);
                 }
             }
         }
     }
 
+    /// The solve has ended thus.
+    fn settle(&mut self, stage: Stage) {
+        self.settled = Some(stage);
+        self.publish(stage);
+    }
+
     /// Recomputes what the difference between the state and the wish calls for, and nothing else.
     fn answer(&mut self, wanted: &Wanted) -> Result<Recompute, Failure> {
         self.check_cancel()?;
         let mut todo = Recompute::between(&self.state, wanted);
-        if todo.scene {
-            let source = wanted.source.as_ref().ok_or(Failure::Cancelled)?;
-            self.publish(Stage::Loading);
-            let clock = Instant::now();
-            let scene = match scene::load(source) {
-                Ok(scene) => Arc::new(scene),
-                Err(error) => {
-                    // The present scene stays; the request counts as answered.
-                    self.state.done.opened = wanted.opened;
-                    self.state.done.source.clone_from(&wanted.source);
-                    return Err(Failure::Said(error.to_string()));
-                }
-            };
-            self.snapshot.timings = Timings { load: clock.elapsed().as_secs_f64(), ..Timings::default() };
-            self.check_cancel()?;
-            self.prepare(scene, wanted, &mut todo)?;
-        } else if todo.mesh {
-            let scene = self.state.scene.clone().ok_or(Failure::Cancelled)?;
-            self.prepare(scene, wanted, &mut todo)?;
+        let renewed = self.renew(wanted, &mut todo);
+        if matches!(renewed, Err(Failure::Cancelled)) {
+            return Err(Failure::Cancelled);
         }
+        // What is refused counts as answered.
         self.state.done.source.clone_from(&wanted.source);
         self.state.done.opened = wanted.opened;
         self.state.done.settings = wanted.settings.clone();
+        let mut edits = wanted.edits.clone();
+        match renewed {
+            Err(Failure::Said(sentence)) if self.state.prepared.is_some() => {
+                todo = Recompute::default();
+                edits = self.stay(sentence, wanted.generation)?;
+            }
+            other => other?,
+        }
+        self.settled = None;
         let prepared = self.state.prepared.clone().ok_or(Failure::Cancelled)?;
 
         let edit_of =
-            |material: u32| wanted.edits.iter().rev().find(|e| e.material == material).map(|e| e.reflectance);
+            |material: u32| edits.iter().rev().find(|e| e.material == material).map(|e| e.reflectance);
         let reflectance = patch_reflectance(&prepared.mesh, &edit_of);
         self.snapshot.reflectance = Arc::new(reflectance.iter().map(|r| r.map(|b| b as f32)).collect());
         let system = system(&prepared, &reflectance);
-        self.state.done.edits.clone_from(&wanted.edits);
+        self.state.done.edits.clone_from(&edits);
 
         if self.state.form_factors.is_none() {
             todo.rows = prepared.mesh.patches.len();
@@ -372,8 +384,48 @@ impl Worker<'_> {
         Ok(todo)
     }
 
+    /// Reads and meshes the scene where that is called for.
+    fn renew(&mut self, wanted: &Wanted, todo: &mut Recompute) -> Result<(), Failure> {
+        if todo.scene {
+            let source = wanted.source.as_ref().ok_or(Failure::Cancelled)?;
+            self.publish(Stage::Loading);
+            let clock = Instant::now();
+            let scene = Arc::new(scene::load(source).map_err(|error| Failure::Said(error.to_string()))?);
+            let load = clock.elapsed().as_secs_f64();
+            self.check_cancel()?;
+            self.prepare(scene, wanted, todo, Timings { load, ..Timings::default() })
+        } else if todo.mesh {
+            let scene = self.state.scene.clone().ok_or(Failure::Cancelled)?;
+            self.prepare(scene, wanted, todo, self.snapshot.timings)
+        } else {
+            Ok(())
+        }
+    }
+
+    /// Goes back to the present scene, which a refused request has not touched: what it had come to is
+    /// published again, and where it had not ended it goes on, with the edits that are returned.
+    fn stay(&mut self, sentence: String, generation: u64) -> Result<Vec<MaterialEdit>, Failure> {
+        let edits = self.state.done.edits.clone();
+        {
+            // Opening has forgotten them.
+            let mut wanted = locked(&self.shared.wanted);
+            if wanted.generation == generation {
+                wanted.edits.clone_from(&edits);
+            }
+        }
+        self.snapshot.error = Some(sentence.clone());
+        self.refused = Some(sentence);
+        self.settled.map_or(Ok(edits), |stage| Err(Failure::Refused(stage)))
+    }
+
     /// Meshes a scene; keeps the rows where the geometry turns out the same.
-    fn prepare(&mut self, scene: Arc<Scene>, wanted: &Wanted, todo: &mut Recompute) -> Result<(), Failure> {
+    fn prepare(
+        &mut self,
+        scene: Arc<Scene>,
+        wanted: &Wanted,
+        todo: &mut Recompute,
+        timings: Timings,
+    ) -> Result<(), Failure> {
         self.publish(Stage::Meshing);
         let prepared = prepare(scene.clone(), &wanted.settings)?;
         self.check_cancel()?;
@@ -388,6 +440,7 @@ impl Worker<'_> {
         }
         self.state.bases = None;
         self.state.scene = Some(scene.clone());
+        self.snapshot.timings = timings;
         self.snapshot.timings.mesh = prepared.timings.mesh;
         self.snapshot.timings.plan = prepared.timings.plan;
         self.snapshot.scene = Some(scene);
@@ -466,6 +519,8 @@ impl Worker<'_> {
 enum Failure {
     Cancelled,
     Said(String),
+    /// The present scene stands whole, at this stage.
+    Refused(Stage),
 }
 
 impl From<PipelineError> for Failure {

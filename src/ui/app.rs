@@ -1,8 +1,10 @@
 //! The window as a whole: what it holds, and the order of a frame.
 
 use super::auditor::Auditor;
+use super::background::Background;
 use super::camera_control::CameraControl;
 use super::command::EditKey;
+use super::doctor::Doctor;
 use super::exposure::AutoExposure;
 use super::files::{FileNews, Files};
 use super::frame_clock::FrameClock;
@@ -13,12 +15,14 @@ use super::panels::{self, Commands, Model};
 use super::path_dialog::{Answer, PathDialog};
 use super::picture::Picture;
 use super::reclaim::Reclaim;
+use super::recovery::{Handover, Legacy};
 use super::state::{DisplaySettings, Edits, Quantity, UiState};
-use super::touring::Playing;
+use super::touring::{Plan, Playing};
 use super::viewport::Viewport;
 use super::worker::Worker;
 use super::{input, theme};
 use crate::display::FalseColour;
+use crate::render::Tour;
 use crate::scene::{Lighting, Scene, SceneSource, View};
 use crate::session::Snapshot;
 use std::sync::Arc;
@@ -63,6 +67,7 @@ pub struct App {
     pub(super) notice: Option<Notice>,
     pub(super) last_change: String,
     pub(super) auditor: Auditor,
+    pub(super) doctor: Doctor,
     pub(super) files: Files,
     pub(super) path_dialog: Option<PathDialog>,
     pub(super) help_open: bool,
@@ -72,6 +77,8 @@ pub struct App {
     pub(super) divider: f32,
     /// The tour that plays.
     pub(super) touring: Option<Playing>,
+    /// The tour whose ways were found last.
+    pub(super) tours: Background<Plan, Option<Tour>>,
     pub(super) clock: FrameClock,
     pub(super) reclaim: Reclaim,
     /// Where an orbit started: the point under the cursor.
@@ -93,6 +100,10 @@ pub struct App {
     pub(super) dismissed: Option<String>,
     /// The error of the worker that was shown last.
     worker_error: Option<String>,
+    /// What a window before this one left, until its scene is on screen.
+    pub(super) inherited: Option<Handover>,
+    /// Where this one leaves its state.
+    pub(super) legacy: Option<Legacy>,
     frame_secs: f64,
     memory: (f64, Option<u64>),
 }
@@ -118,7 +129,8 @@ impl App {
         theme::apply(&cc.egui_ctx);
         cc.egui_ctx.add_plugin(input::TabKey::default());
         let clock = FrameClock::default();
-        let viewport = cc.wgpu_render_state.clone().map(|state| Viewport::new(state, clock.drawing()));
+        let viewport =
+            cc.wgpu_render_state.clone().map(|state| Viewport::new(state, clock.drawing(), &cc.egui_ctx));
         Self {
             snapshot: worker.latest(),
             worker,
@@ -141,6 +153,7 @@ impl App {
             notice: None,
             last_change: String::new(),
             auditor: Auditor::default(),
+            doctor: Doctor::default(),
             files: Files::new(cc.egui_ctx.clone()),
             path_dialog: None,
             help_open: false,
@@ -148,6 +161,7 @@ impl App {
             view_rect: egui::Rect::ZERO,
             divider: 0.5,
             touring: None,
+            tours: Background::default(),
             clock,
             reclaim: Reclaim::default(),
             pivot: None,
@@ -160,6 +174,8 @@ impl App {
             view_size_px: [1, 1],
             dismissed: None,
             worker_error: None,
+            inherited: None,
+            legacy: None,
             frame_secs: 0.0,
             memory: (f64::NEG_INFINITY, None),
             state,
@@ -236,7 +252,12 @@ impl App {
         self.follow_microscope(ctx);
         let time = ctx.input(|i| i.time);
         self.follow_error(time);
+        self.look_after_device(ctx, time);
         self.audit(ctx, time);
+        if let Some(prepared) = &self.picture.prepared {
+            let wake = ctx.clone();
+            self.doctor.follow(prepared, move || wake.request_repaint());
+        }
         for news in self.files.news() {
             self.file_news(news, time);
         }
@@ -325,6 +346,10 @@ impl App {
                 let text = format!("Saved {}", path.display());
                 self.notice = Some(Notice { text, is_error: false, since: time });
             }
+            FileNews::Repaired(path, what) => {
+                let text = format!("Saved {}: {what}", path.display());
+                self.notice = Some(Notice { text, is_error: false, since: time });
+            }
             FileNews::SaveFailed(text) => {
                 self.notice = Some(Notice { text, is_error: true, since: time });
             }
@@ -361,10 +386,11 @@ impl App {
     fn panels(&mut self, ui: &mut egui::Ui, out: &mut Commands) {
         let (mut left_open, mut right_open) = (self.state.left_open, self.state.right_open);
         let model = self.model();
-        let bar = egui::Frame::new().fill(theme::PANEL).inner_margin(egui::Margin::symmetric(8, 4));
+        let ground = egui::Frame::new().fill(ui.visuals().panel_fill);
+        let bar = ground.inner_margin(egui::Margin::symmetric(8, 4));
         egui::Panel::top("menu").frame(bar).show(ui, |ui| panels::menu::show(ui, &model, out));
         if self.state.show_status {
-            let bar = egui::Frame::new().fill(theme::PANEL).inner_margin(egui::Margin::symmetric(8, 2));
+            let bar = ground.inner_margin(egui::Margin::symmetric(8, 2));
             egui::Panel::bottom("status").frame(bar).show(ui, |ui| panels::status::show(ui, &model));
         }
         let side =
@@ -391,9 +417,14 @@ impl App {
             });
         });
         if self.state.table_open {
-            let frame = egui::Frame::new().fill(theme::PANEL).inner_margin(egui::Margin::symmetric(8, 5));
+            let frame = ground.inner_margin(egui::Margin::symmetric(8, 5));
             let panel = egui::Panel::bottom("patch table").resizable(true).default_size(196.0);
             panel.size_range(110.0..=420.0).frame(frame).show(ui, |ui| panels::table::show(ui, &model, out));
+        }
+        if self.state.doctor_open {
+            let frame = egui::Frame::new().fill(theme::PANEL).inner_margin(egui::Margin::symmetric(8, 5));
+            let panel = egui::Panel::bottom("doctor").resizable(true).default_size(212.0);
+            panel.size_range(120.0..=420.0).frame(frame).show(ui, |ui| panels::doctor::show(ui, &model, out));
         }
         if self.help_open {
             panels::help::show(ui, out);
@@ -432,6 +463,7 @@ impl App {
             longest_secs: self.clock.longest(),
             last_change: &self.last_change,
             auditor: &self.auditor,
+            doctor: &self.doctor,
             can: [self.history.can_undo(), self.history.can_redo()],
             frame_secs: self.frame_secs,
             memory: self.memory.1,
@@ -477,6 +509,7 @@ impl eframe::App for App {
         self.dropped_files(ui, &mut out);
         self.panels(ui, &mut out);
         self.inspect_fresh = false;
+        self.doctor.hovered = None;
         // Before the picture is drawn: a switched lamp is dark in this very frame.
         self.execute_all(ui.ctx(), &mut out);
         let pointer_up = ui.input(|i| !i.pointer.any_down());
@@ -498,7 +531,8 @@ impl eframe::App for App {
     }
 
     fn clear_color(&self, _visuals: &egui::Visuals) -> [f32; 4] {
-        theme::BACKDROP.to_normalized_gamma_f32()
+        // Panels do not fill their ground again: see `theme::leave_ground_to_the_clear`.
+        theme::PANEL.to_normalized_gamma_f32()
     }
 }
 
@@ -514,10 +548,14 @@ fn fitted_fov(fov_y_deg: f64, aspect: f64) -> f64 {
 }
 
 fn scroll(ui: &mut egui::Ui, name: &str, contents: impl FnOnce(&mut egui::Ui)) {
-    egui::ScrollArea::vertical().id_salt(name).auto_shrink(false).show(ui, |ui| {
-        // Room for the scroll bar, so that nothing is clipped and nothing jumps.
-        ui.set_max_width(ui.available_width() - 8.0);
-        contents(ui);
+    // Says what is behind, painted or cleared: lines fade into it where there is more to scroll to.
+    let behind = egui::UiStackInfo { frame: egui::Frame::new().fill(theme::PANEL), ..Default::default() };
+    ui.scope_builder(egui::UiBuilder::new().ui_stack_info(behind), |ui| {
+        egui::ScrollArea::vertical().id_salt(name).auto_shrink(false).show(ui, |ui| {
+            // Room for the scroll bar, so that nothing is clipped and nothing jumps.
+            ui.set_max_width(ui.available_width() - 8.0);
+            contents(ui);
+        });
     });
 }
 

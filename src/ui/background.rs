@@ -36,7 +36,7 @@ impl<K: PartialEq + Clone, T: Send + 'static> Background<K, T> {
             sender.send(answer()).ok();
             wake();
         };
-        if std::thread::Builder::new().name("microscope".to_owned()).spawn(work).is_ok() {
+        if std::thread::Builder::new().name("answers".to_owned()).spawn(work).is_ok() {
             self.underway = Some((question.clone(), receiver));
         }
     }

@@ -4,6 +4,7 @@
 //! wall however thin, at any speed and any frame rate. Walls push it back at right angles to
 //! themselves, which leaves the motion along them: that is the sliding.
 
+use crate::geometry::nearest_in_triangle;
 use crate::mesh::PatchMesh;
 use crate::render::person_scale;
 use glam::{DVec2, DVec3};
@@ -314,39 +315,6 @@ fn nearest_points(start: DVec3, end: DVec3, triangle: &[DVec3; 3]) -> (DVec3, DV
     let edges = [(a, b), (b, c), (c, a)].map(|(p, q)| nearest_of_segments(start, end, p, q));
     let square = |pair: &(DVec3, DVec3)| pair.0.distance_squared(pair.1);
     ends.into_iter().chain(edges).min_by(|p, q| square(p).total_cmp(&square(q))).unwrap_or((start, a))
-}
-
-/// Ericson 2005, section 5.1.5.
-fn nearest_in_triangle(p: DVec3, &[a, b, c]: &[DVec3; 3]) -> DVec3 {
-    let (ab, ac, ap) = (b - a, c - a, p - a);
-    let (d1, d2) = (ab.dot(ap), ac.dot(ap));
-    if d1 <= 0.0 && d2 <= 0.0 {
-        return a;
-    }
-    let bp = p - b;
-    let (d3, d4) = (ab.dot(bp), ac.dot(bp));
-    if d3 >= 0.0 && d4 <= d3 {
-        return b;
-    }
-    let vc = d1 * d4 - d3 * d2;
-    if vc <= 0.0 && d1 >= 0.0 && d3 <= 0.0 {
-        return a + ab * (d1 / (d1 - d3).max(f64::MIN_POSITIVE));
-    }
-    let cp = p - c;
-    let (d5, d6) = (ab.dot(cp), ac.dot(cp));
-    if d6 >= 0.0 && d5 <= d6 {
-        return c;
-    }
-    let vb = d5 * d2 - d1 * d6;
-    if vb <= 0.0 && d2 >= 0.0 && d6 <= 0.0 {
-        return a + ac * (d2 / (d2 - d6).max(f64::MIN_POSITIVE));
-    }
-    let va = d3 * d6 - d5 * d4;
-    if va <= 0.0 && d4 >= d3 && d5 >= d6 {
-        return b + (c - b) * ((d4 - d3) / ((d4 - d3) + (d5 - d6)).max(f64::MIN_POSITIVE));
-    }
-    let sum = (va + vb + vc).max(f64::MIN_POSITIVE);
-    a + ab * (vb / sum) + ac * (vc / sum)
 }
 
 /// Ericson 2005, section 5.1.9.

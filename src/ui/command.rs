@@ -3,6 +3,7 @@
 
 use super::auditor::Ask;
 use super::camera_control::Motion;
+use super::doctor;
 use super::state::DisplaySettings;
 use crate::scene::{LampState, SceneSource};
 use crate::session::SolveSettings;
@@ -18,6 +19,8 @@ pub(super) enum SaveKind {
     PatchTable,
     /// Triangles with vertex radiosity, PLY.
     LitMesh,
+    /// The model mended, OBJ with MTL and sidecar.
+    RepairedCopy,
 }
 
 impl SaveKind {
@@ -28,6 +31,7 @@ impl SaveKind {
             Self::Hdr => "Save radiance (EXR)",
             Self::PatchTable => "Save patch table (CSV)",
             Self::LitMesh => "Save lit mesh (PLY)",
+            Self::RepairedCopy => "Save repaired copy (OBJ)",
         }
     }
 
@@ -38,6 +42,7 @@ impl SaveKind {
             Self::Hdr => "exr",
             Self::PatchTable => "csv",
             Self::LitMesh => "ply",
+            Self::RepairedCopy => "obj",
         }
     }
 }
@@ -106,6 +111,8 @@ pub(super) enum Command {
     Solve(SolveSettings),
     /// How exact the light is, or is to become.
     Accuracy(Ask),
+    /// What is doubtful about the model.
+    Doctor(doctor::Ask),
     /// Look into this patch, or into none; its numbers come into view.
     Inspect(Option<u32>),
     /// Look into this patch; the panel stays where it is.

@@ -5,16 +5,15 @@ use super::auditor::Ask;
 use super::camera_control::{CameraControl, Pose};
 use super::command::{Command, EditKey, SaveKind};
 use super::files::{SaveJob, free_name, pictures_folder};
+use super::outlook::outlook;
 use super::overlay::Notice;
 use super::panels::Commands;
 use super::picture::shading_of;
 use super::state::{DisplaySettings, Edits, Quantity};
 use super::{camera_control, units};
 use crate::display::{Exposure, white_balance};
-use crate::geometry::Ray;
 use crate::scene::{LampState, Lighting, SceneSource, View};
 use crate::session::MaterialEdit;
-use glam::DVec3;
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::Instant;
@@ -106,9 +105,12 @@ impl App {
                     self.worker.set_settings(settings);
                 }
             }
+            Command::Doctor(ask) => self.ask_doctor(ask),
             Command::Inspect(patch) => {
                 self.look_into(patch);
                 self.inspect_fresh = patch.is_some();
+                // Whoever looks that closely has read how to walk.
+                self.state.hint_done |= patch.is_some();
             }
             Command::PickNext(patch) => self.look_into(Some(patch)),
             Command::PickBack => {
@@ -117,7 +119,10 @@ impl App {
                 }
             }
             Command::ToggleRow => self.toggle_row(ctx.input(|i| i.pointer.latest_pos())),
-            Command::ToggleTable => self.state.table_open = !self.state.table_open,
+            Command::ToggleTable => {
+                self.state.table_open = !self.state.table_open;
+                self.state.doctor_open &= !self.state.table_open;
+            }
             Command::JumpToPatch(patch) => self.jump_to(patch),
             Command::TogglePanels => {
                 let open = self.state.left_open || self.state.right_open;
@@ -361,6 +366,7 @@ impl App {
                 self.state.eye_height,
             )
         });
+        self.inherit();
     }
 
     /// Side by side and back; the first time the present light becomes A.
@@ -415,24 +421,16 @@ impl App {
         self.view_index = Some(self.views.len() - 1);
     }
 
-    /// Glides to where a patch is seen from nearly straight ahead, nothing being in between.
+    /// Glides to where a patch is well seen.
     fn jump_to(&mut self, patch: u32) {
         let Some(prepared) = self.picture.prepared.clone() else { return };
         let Some(target) = prepared.mesh.patches.get(patch as usize) else { return };
         self.look_into(Some(patch));
         self.touring = None;
         let Some(camera) = &mut self.camera else { return };
-        // A little off the normal: looking straight down has no heading.
-        let aside =
-            (camera.pose().eye - target.centre).reject_from_normalized(target.normal).normalize_or(DVec3::X);
-        let outwards = (target.normal + 0.25 * aside).normalize();
-        let wanted = (6.0 * target.radius).clamp(0.02 * prepared.mesh.size, 0.3 * prepared.mesh.size);
-        let start = target.centre + target.normal * (1e-6 * prepared.mesh.size);
-        let ray = Ray { origin: start, direction: outwards };
-        let free = prepared.picker.nearest(&ray, 2.0 * wanted).map_or(wanted, |hit| 0.8 * hit.distance);
         let view = View {
             name: String::new(),
-            eye: target.centre + outwards * wanted.min(free),
+            eye: outlook(&prepared.mesh, &prepared.picker, patch, camera.pose().eye),
             target: target.centre,
             fov_y_deg: camera.pose().fov_y_deg,
         };
@@ -474,11 +472,21 @@ impl App {
             (SaveKind::Screenshot, _) | (_, None | Some(SceneSource::Builtin(_))) => pictures_folder(),
             (_, Some(SceneSource::File(path))) => path.parent().map_or_else(pictures_folder, PathBuf::from),
         };
-        free_name(&folder, stem, kind.extension())
+        match kind {
+            SaveKind::RepairedCopy => free_name(&folder, &format!("{stem}-repaired"), kind.extension()),
+            _ => free_name(&folder, stem, kind.extension()),
+        }
     }
 
     /// Saves on a helper thread; the outcome comes as a message.
     pub(super) fn save_to(&mut self, kind: SaveKind, path: PathBuf) {
+        if kind == SaveKind::RepairedCopy {
+            let path = if path.extension().is_none() { path.with_extension(kind.extension()) } else { path };
+            if let Some(scene) = &self.scene_shown {
+                self.files.save_repaired(path, Arc::clone(scene));
+            }
+            return;
+        }
         let (Some(prepared), Some(camera)) = (self.picture.prepared.clone(), self.camera()) else { return };
         let path = if path.extension().is_none() { path.with_extension(kind.extension()) } else { path };
         if kind == SaveKind::Screenshot {

@@ -6,7 +6,9 @@ use super::picture::Prepared;
 use super::state::Edits;
 use crate::display::{Exposure, Shading, ToneMap};
 use crate::export::{ExportError, write_png};
-use crate::outputs::{LitScene, StillKind, StillLight, save_lit_mesh, save_patch_table, save_still};
+use crate::outputs::{
+    LitScene, StillKind, StillLight, save_lit_mesh, save_patch_table, save_repaired, save_still,
+};
 use crate::render::{Camera, StillOptions, render_still};
 use crate::scene::{Lighting, Scene, SceneSource, View, sidecar_path, write_sidecar};
 use crate::solver::PatchLight;
@@ -33,6 +35,8 @@ pub(super) enum FileNews {
     NoDialog(Option<SaveKind>),
     /// Saved.
     Saved(PathBuf),
+    /// A repaired copy was saved, and what was mended.
+    Repaired(PathBuf, String),
     /// Not saved, and why.
     SaveFailed(String),
     /// A watched file changed.
@@ -141,9 +145,16 @@ impl Files {
                 SaveKind::Hdr | SaveKind::Screenshot => save_picture_of(&path, &job),
                 SaveKind::PatchTable => save_table(&path, &job),
                 SaveKind::LitMesh => save_mesh(&path, &job),
+                // It needs no light and goes its own way.
+                SaveKind::RepairedCopy => return repaired(path, &job.prepared.scene),
             };
             told(result, path)
         });
+    }
+
+    /// Writes a mended copy of a model.
+    pub(super) fn save_repaired(&self, path: PathBuf, scene: Arc<Scene>) {
+        self.spawn("repair", move || repaired(path, &scene));
     }
 
     /// Writes lamps, repainted materials and bookmarks to the sidecar of the scene in `path`.
@@ -205,6 +216,16 @@ fn stamps(files: &[PathBuf]) -> Vec<Option<(SystemTime, u64)>> {
 fn after_a_moment(files: &[PathBuf]) -> Vec<Option<(SystemTime, u64)>> {
     std::thread::sleep(Duration::from_millis(150));
     stamps(files)
+}
+
+fn repaired(path: PathBuf, scene: &Scene) -> FileNews {
+    match save_repaired(&path, scene) {
+        Ok(mended) if mended.done.is_empty() => {
+            FileNews::Repaired(path, "nothing had to be mended".to_owned())
+        }
+        Ok(mended) => FileNews::Repaired(path, mended.done.join(", ")),
+        Err(error) => FileNews::SaveFailed(error.to_string()),
+    }
 }
 
 fn told(result: Result<(), ExportError>, path: PathBuf) -> FileNews {

@@ -11,7 +11,7 @@ use std::time::Instant;
 
 /// Names a file to which a line a frame is written.
 const LOG_VARIABLE: &str = "LUMENWALK_FRAME_LOG";
-const HEADER: &str = "seconds,work_ms,draw_ms,processor_ms,queued_ms,stage";
+const HEADER: &str = "seconds,work_ms,work_processor_ms,draw_ms,processor_ms,queued_ms,stage";
 
 /// Adds up the work for frames.
 pub(super) struct FrameClock {
@@ -70,12 +70,18 @@ impl FrameClock {
     /// Work on the frame goes on.
     pub(super) fn resume(&mut self) {
         self.begun = Some(Instant::now());
+        if let Some(log) = &mut self.log {
+            log.resumed = scheduled()[0];
+        }
     }
 
     /// Work on the frame rests.
     pub(super) fn rest(&mut self) {
         if let Some(begun) = self.begun.take() {
             self.work += begun.elapsed().as_secs_f64();
+            if let Some(log) = &mut self.log {
+                log.work_processor += scheduled()[0] - log.resumed;
+            }
         }
     }
 
@@ -95,13 +101,16 @@ struct Log {
     start: Instant,
     /// Processor time of this thread and time that it stood in the queue for a processor, seconds.
     before: [f64; 2],
+    /// Processor time when the work on the frame went on last, and that of the work so far, seconds.
+    resumed: f64,
+    work_processor: f64,
 }
 
 impl Log {
     fn open(path: &std::path::Path) -> Option<Self> {
         let mut file = File::create(path).ok()?;
         writeln!(file, "{HEADER}").ok()?;
-        Some(Self { file, start: Instant::now(), before: scheduled() })
+        Some(Self { file, start: Instant::now(), before: scheduled(), resumed: 0.0, work_processor: 0.0 })
     }
 
     fn line(&mut self, work: f64, drawn: f64, stage: &dyn std::fmt::Debug) {
@@ -109,9 +118,13 @@ impl Log {
         let [processor, queued] = [0, 1].map(|k| 1e3 * (now[k] - self.before[k]));
         self.before = now;
         let seconds = self.start.elapsed().as_secs_f64();
-        let [work, drawn] = [work, drawn].map(|s| 1e3 * s);
+        let own = std::mem::take(&mut self.work_processor);
+        let [work, own, drawn] = [work, own, drawn].map(|s| 1e3 * s);
         // A diagnosis that cannot be written is not worth a word to the user.
-        let _ = writeln!(self.file, "{seconds:.3},{work:.2},{drawn:.2},{processor:.2},{queued:.2},{stage:?}");
+        let _ = writeln!(
+            self.file,
+            "{seconds:.3},{work:.2},{own:.2},{drawn:.2},{processor:.2},{queued:.2},{stage:?}"
+        );
     }
 }
 

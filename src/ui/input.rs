@@ -2,6 +2,7 @@
 
 use super::camera_control::{Motion, Wish};
 use super::command::{Command, SaveKind};
+use super::doctor::Ask;
 use super::panels::{Commands, Model};
 use super::state::{Quantity, ShadingMode};
 use egui::{Context, Key, Modifiers};
@@ -114,6 +115,7 @@ pub(super) fn commands(ctx: &Context, model: &Model<'_>, help_open: bool, out: &
         (Key::P, Command::Pause(!model.snapshot.paused)),
         (Key::R, Command::ToggleRow),
         (Key::J, Command::ToggleTable),
+        (Key::K, Command::Doctor(Ask::Toggle)),
         (Key::Backspace, Command::PickBack),
         (
             Key::F,

@@ -11,6 +11,7 @@ mod collision;
 mod colour;
 mod command;
 mod comparison;
+mod doctor;
 mod execute;
 mod exposure;
 mod files;
@@ -18,13 +19,16 @@ mod frame_clock;
 mod history;
 mod input;
 mod legend;
+mod marks;
 mod microscope;
 mod outline;
+mod outlook;
 mod overlay;
 mod panels;
 mod path_dialog;
 mod picture;
 mod reclaim;
+mod recovery;
 mod runs;
 mod state;
 mod theme;
@@ -41,8 +45,9 @@ pub use worker::Worker;
 
 use crate::scene::SceneSource;
 use crate::session::{Session, SolveSettings};
+use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::{Arc, OnceLock};
+use std::sync::{Arc, Mutex, PoisonError};
 
 /// Why there is no window.
 #[derive(Debug, thiserror::Error)]
@@ -61,6 +66,43 @@ pub enum UiError {
 /// [`UiError::NoDisplay`] where no window can be opened at all; [`UiError::Failed`] where it ends
 /// otherwise than by being closed.
 pub fn run(source: SceneSource, settings: SolveSettings) -> Result<(), UiError> {
+    // The solver is at work before there is a window; it wakes the window that there is.
+    let window = Arc::new(Mutex::new(None::<egui::Context>));
+    let woken = Arc::clone(&window);
+    let session = Session::spawn(move || {
+        if let Some(ctx) = &*woken.lock().unwrap_or_else(PoisonError::into_inner) {
+            ctx.request_repaint();
+        }
+    });
+    let session = Arc::new(session.map_err(|error| UiError::Failed(error.to_string()))?);
+    session.set_settings(settings);
+    session.open(source.clone());
+    let legacy = recovery::Legacy::default();
+    let mut openings = 0;
+    loop {
+        openings += 1;
+        let shown = show_window(&source, &session, &window, &legacy);
+        let is_left = legacy.lock().unwrap_or_else(PoisonError::into_inner).is_some();
+        if !is_left {
+            return shown;
+        }
+        if openings == MOST_OPENINGS {
+            let text = "the graphics device was lost again and again";
+            return Err(UiError::Failed(text.to_owned()));
+        }
+    }
+}
+
+/// Windows opened one after the other on graphics devices that are lost.
+const MOST_OPENINGS: u32 = 4;
+
+/// One window on the session, from its opening to its end.
+fn show_window(
+    source: &SceneSource,
+    session: &Arc<Session>,
+    window: &Arc<Mutex<Option<egui::Context>>>,
+    legacy: &recovery::Legacy,
+) -> Result<(), UiError> {
     let options = eframe::NativeOptions {
         viewport: egui::ViewportBuilder::default()
             .with_app_id("lumenwalk")
@@ -71,29 +113,23 @@ pub fn run(source: SceneSource, settings: SolveSettings) -> Result<(), UiError> 
         persist_window: true,
         ..Default::default()
     };
-    // The solver is at work before there is a window; it wakes the window once there is one.
-    let wake = Arc::new(OnceLock::<egui::Context>::new());
-    let woken = Arc::clone(&wake);
-    let session = Session::spawn(move || {
-        if let Some(ctx) = woken.get() {
-            ctx.request_repaint();
-        }
-    });
-    let session = session.map_err(|error| UiError::Failed(error.to_string()))?;
-    session.set_settings(settings);
-    session.open(source.clone());
     let opened = Arc::new(AtomicBool::new(false));
     let has_opened = Arc::clone(&opened);
     let create: eframe::AppCreator<'_> = Box::new(move |cc| {
-        wake.set(cc.egui_ctx.clone()).ok();
+        *window.lock().unwrap_or_else(PoisonError::into_inner) = Some(cc.egui_ctx.clone());
         let mut state = App::stored_state(cc.storage);
-        if let SceneSource::File(path) = &source {
+        let is_first = legacy.lock().unwrap_or_else(PoisonError::into_inner).is_none();
+        if let (SceneSource::File(path), true) = (source, is_first) {
             state.remember(path);
         }
         has_opened.store(true, Ordering::Relaxed);
-        Ok(Box::new(App::new(cc, Box::new(session), state)))
+        let app = App::new(cc, Box::new(Arc::clone(session)), state);
+        theme::leave_ground_to_the_clear(&cc.egui_ctx);
+        Ok(Box::new(app.with_legacy(Arc::clone(legacy))))
     });
-    eframe::run_native("Lumenwalk", options, create).map_err(|error| {
+    // Without a device the interface panics as soon as it is drawn; what was done is left in `legacy`.
+    let ran = catch_unwind(AssertUnwindSafe(|| eframe::run_native("Lumenwalk", options, create)));
+    ran.unwrap_or_else(|_| Ok(())).map_err(|error| {
         let text = error.to_string();
         if opened.load(Ordering::Relaxed) { UiError::Failed(text) } else { UiError::NoDisplay(text) }
     })

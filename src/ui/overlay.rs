@@ -84,20 +84,26 @@ pub(super) fn waiting(ui: &egui::Ui, view: Rect, text: &str) {
     ui.painter_at(view).text(view.center(), Align2::CENTER_CENTER, text, font, theme::TEXT_WEAK);
 }
 
-/// How far a tour has come, and how it ends.
-pub(super) fn tour(ui: &egui::Ui, view: Rect, seconds: f64, all: f64) {
+/// How far a tour has come, and how it ends; that ways are looked for where it has no length yet, and
+/// where none was found.
+pub(super) fn tour(ui: &egui::Ui, view: Rect, [seconds, all]: [f64; 2], barred: Option<&str>) {
     corner(ui, "tour", view, Align2::CENTER_TOP, |ui| {
         ui.style_mut().interaction.selectable_labels = false;
         ui.horizontal(|ui| {
             ui.label(RichText::new("Tour").strong().color(theme::ACCENT));
             let wide = view.width() > 520.0;
-            let bar = egui::ProgressBar::new((seconds / all).clamp(0.0, 1.0) as f32);
+            let bar = egui::ProgressBar::new((seconds / all.max(1e-9)).clamp(0.0, 1.0) as f32);
             let length = if wide { 150.0 } else { 70.0 };
             ui.add(bar.desired_width(length).desired_height(7.0).fill(theme::ACCENT));
             let how = if wide { "  -  move, click or Esc to stop" } else { "  -  Esc stops" };
-            let text = format!("{seconds:.0} of {all:.0} s{how}");
+            let far =
+                if all > 0.0 { format!("{seconds:.0} of {all:.0} s") } else { "finding a way".to_owned() };
+            let text = format!("{far}{how}");
             ui.label(RichText::new(text).color(Color32::from_gray(235)));
         });
+        if let Some(barred) = barred {
+            ui.label(RichText::new(barred).color(theme::WARNING));
+        }
     });
 }
 

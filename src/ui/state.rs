@@ -291,6 +291,8 @@ pub struct UiState {
     pub reload_on_change: bool,
     /// The table of patches under the view.
     pub table_open: bool,
+    /// What is doubtful about the model, under the view.
+    pub doctor_open: bool,
     /// How the picture is made.
     pub display: DisplaySettings,
 }
@@ -307,6 +309,7 @@ impl Default for UiState {
             hint_done: false,
             reload_on_change: true,
             table_open: false,
+            doctor_open: false,
             display: DisplaySettings::default(),
         }
     }

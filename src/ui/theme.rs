@@ -82,6 +82,12 @@ pub(super) fn apply(ctx: &egui::Context) {
     });
 }
 
+/// Spares panels the fill of their ground, for a window that is cleared to [`PANEL`]: on a software
+/// adapter that fill costs more than the scene.
+pub(super) fn leave_ground_to_the_clear(ctx: &egui::Context) {
+    ctx.all_styles_mut(|style| style.visuals.panel_fill = Color32::TRANSPARENT);
+}
+
 /// The ground of what lies over the picture.
 pub(super) fn overlay() -> egui::Frame {
     egui::Frame::new()

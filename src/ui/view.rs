@@ -5,7 +5,7 @@ use super::camera_control::{Motion, Wish};
 use super::command::Command;
 use super::panels::Commands;
 use super::state::Quantity;
-use super::{input, legend, outline, overlay, picture, theme};
+use super::{input, legend, marks, outline, overlay, picture, theme};
 use crate::render::{Camera, ColourSource, FrameInput, Pick};
 use crate::scene::SceneSource;
 use crate::session::Stage;
@@ -27,8 +27,9 @@ impl App {
             ui.allocate_exact_size(ui.available_size().max(Vec2::splat(1.0)), Sense::click_and_drag());
         response.widget_info(|| egui::WidgetInfo::labeled(egui::accesskit::Role::Canvas, true, "Scene view"));
         self.view_rect = rect;
-        let pixels = rect.size() * ui.pixels_per_point();
-        self.view_size_px = [pixels.x, pixels.y].map(|n| n.round().max(1.0) as u32);
+        // Its edges as egui rounds them, so that pixels of the picture are pixels of the window.
+        let [min, max] = [rect.min, rect.max].map(|p| (p.to_vec2() * ui.pixels_per_point()).round());
+        self.view_size_px = [max.x - min.x, max.y - min.y].map(|n| n.max(1.0) as u32);
         if response.clicked() || response.drag_started() {
             // Keys go to the scene again.
             ui.ctx().memory_mut(|m| m.focused().into_iter().for_each(|id| m.surrender_focus(id)));
@@ -99,7 +100,7 @@ impl App {
         if self.touring.is_some() {
             ui.ctx().request_repaint();
         }
-        if self.play_tour(since) {
+        if self.play_tour(ui.ctx(), since) {
             return;
         }
         let Some(camera) = &mut self.camera else { return };
@@ -227,6 +228,9 @@ impl App {
         if let (Some(patch), Some(prepared)) = (self.inspected, &self.picture.prepared) {
             outline::show(ui, rect, prepared, &camera, patch);
         }
+        if let (Some((finding, place)), Some(prepared)) = (self.doctor.shown(), &self.picture.prepared) {
+            marks::show(ui, rect, prepared, &camera, finding, place);
+        }
     }
 
     fn is_solving(&self) -> bool {
@@ -314,8 +318,9 @@ impl App {
         } else if !self.state.hint_done && !self.help_open && self.notice.is_none() {
             overlay::hint(ui, rect);
         }
-        if let Some([seconds, all]) = model.tour {
-            overlay::tour(ui, rect, seconds, all);
+        // A message takes its place for a while.
+        if let Some(touring) = self.touring.as_ref().filter(|_| self.notice.is_none()) {
+            overlay::tour(ui, rect, touring.progress(), touring.barred().as_deref());
         }
         if let Some(notice) = &self.notice {
             overlay::notice(ui, rect, notice, out);

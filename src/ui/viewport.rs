@@ -1,6 +1,7 @@
 //! The picture inside the window: hands frames to the renderer, and draws none twice.
 
 use super::frame_clock::DrawTime;
+use super::recovery::{Trouble, Troubles};
 use crate::render::{FrameInput, MeshUploader, ViewportRenderer};
 use eframe::egui_wgpu::{self, CallbackResources, RenderState};
 
@@ -19,17 +20,24 @@ pub(super) struct Viewport {
     software: bool,
     drawing: DrawTime,
     uploader: MeshUploader,
+    troubles: Troubles,
 }
 
 impl Viewport {
     /// Readies the drawing, which `drawing` counts from now on.
-    pub(super) fn new(state: RenderState, drawing: DrawTime) -> Self {
+    pub(super) fn new(state: RenderState, drawing: DrawTime, ctx: &egui::Context) -> Self {
+        let troubles = Troubles::of(&state.device, ctx);
         let renderer = ViewportRenderer::new(&state.device, &state.queue, state.target_format);
         let uploader = renderer.uploader(&state.device, &state.queue);
         let resources = Resources { renderer, generation: 0, drawn: None };
         state.renderer.write().callback_resources.insert(resources);
         let software = state.adapter.get_info().device_type == wgpu::DeviceType::Cpu;
-        Self { state, software, drawing, uploader }
+        Self { state, software, drawing, uploader, troubles }
+    }
+
+    /// What the driver has complained of since the last look.
+    pub(super) fn trouble(&self) -> Option<Trouble> {
+        self.troubles.take()
     }
 
     /// What brings meshes to the graphics card, on any thread.

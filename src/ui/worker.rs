@@ -22,32 +22,32 @@ pub trait Worker {
     fn stop(&self);
 }
 
-impl Worker for Session {
+impl Worker for Arc<Session> {
     fn latest(&self) -> Arc<Snapshot> {
-        self.latest()
+        Session::latest(self)
     }
 
     fn open(&self, source: SceneSource) {
-        self.open(source);
+        Session::open(self, source);
     }
 
     fn set_settings(&self, settings: SolveSettings) {
-        self.set_settings(settings);
+        Session::set_settings(self, settings);
     }
 
     fn set_materials(&self, edits: Vec<MaterialEdit>) {
-        self.set_materials(edits);
+        Session::set_materials(self, edits);
     }
 
     fn pause(&self) {
-        self.pause();
+        Session::pause(self);
     }
 
     fn resume(&self) {
-        self.resume();
+        Session::resume(self);
     }
 
     fn stop(&self) {
-        self.stop();
+        Session::stop(self);
     }
 }

@@ -73,6 +73,20 @@ impl Plan {
         m
     }
 
+    /// Whether all lamps are shut up in boxes, so that the room is rightly dark.
+    fn is_shut_up(&self) -> bool {
+        let size = DVec3::from(self.size);
+        self.lamps.iter().all(|(at, extent)| {
+            let low = size * (DVec3::from(*at) * 0.5 + dvec3(0.1, 0.4, 0.1));
+            let high = low + dvec3(extent[0] * size.x, 0.0, extent[1] * size.z);
+            self.boxes.iter().any(|(corner, of)| {
+                let corner = size * (DVec3::from(*corner) * 1.1 - 0.15);
+                let end = corner + size * (DVec3::from(*of) * 0.4 + 0.02);
+                corner.cmple(low).all() && high.cmple(end).all()
+            })
+        })
+    }
+
     fn scene(&self) -> Arc<Scene> {
         self.model().scene()
     }
@@ -102,6 +116,9 @@ fn check(cases: u32, property: impl Fn(Plan)) {
 
 fn laws(cases: u32) {
     check(cases, |plan| {
+        if plan.is_shut_up() {
+            return;
+        }
         let scene = plan.scene();
         for (method, resolution, patches) in
             [(Method::Lines, 96, 120), (Method::Hemicube, 64, 60), (Method::Rays, 256, 60)]
@@ -118,9 +135,9 @@ fn laws_hold_on_random_scenes() {
 }
 
 #[test]
-#[ignore = "takes about an hour; run in CI"]
+#[ignore = "takes some ten minutes; run in CI"]
 fn laws_hold_on_thousands_of_random_scenes() {
-    laws(3000);
+    laws(2000);
 }
 
 fn largest(light: &PatchLight) -> f32 {

@@ -95,6 +95,7 @@ impl Room {
             luminaire: None,
             emission_weight: [0.0; 3],
             emits_back: false,
+            line: None,
         });
         scene.surfaces.last_mut().expect("just pushed")
     }

@@ -246,8 +246,8 @@ fn method_and_patches_ask_for_another_solve() {
     click(&mut harness, "Method and quality");
     harness.run_steps(20);
     click(&mut harness, "Form factors");
-    click(&mut harness, "Hemicube (1985)");
-    assert_eq!(worker.requests(), ["settings AlignedHemicube Count(700)"]);
+    click(&mut harness, "Hemicube");
+    assert_eq!(worker.requests(), ["settings Hemicube Count(700)"]);
 }
 
 #[test]

@@ -7,6 +7,7 @@ use lumenwalk::scene::{self, SceneSource};
 use lumenwalk::session::{self, Control, MaterialEdit, Snapshot, SolveSettings, Stage};
 use lumenwalk::solver::SweepReport;
 use lumenwalk::ui::{App, UiState, Worker};
+use std::path::Path;
 use std::sync::atomic::AtomicBool;
 use std::sync::{Arc, Mutex, OnceLock};
 use std::time::Duration;
@@ -50,32 +51,36 @@ pub(crate) fn solved() -> Arc<Snapshot> {
         for (name, text) in [("room.obj", OBJ), ("room.mtl", MTL), ("room.toml", SIDECAR)] {
             std::fs::write(folder.path().join(name), text).expect("written");
         }
-        let scene = scene::load(&SceneSource::File(folder.path().join("room.obj"))).expect("a sound scene");
-        let settings =
-            SolveSettings { patches: lumenwalk::mesh::PatchTarget::Count(700), ..Default::default() };
-        let never = AtomicBool::new(false);
-        let solved =
-            session::solve(Arc::new(scene), &settings, &never, &mut |_| Control::Continue).expect("solved");
-        Arc::new(Snapshot {
-            serial: 1,
-            mesh_serial: 1,
-            stage: Stage::Converged,
-            fraction: 1.0,
-            rows: (solved.mesh.patches.len(), solved.mesh.patches.len()),
-            scene: Some(solved.scene),
-            mesh: Some(solved.mesh),
-            plan: Some(solved.plan),
-            computer: Some(solved.computer),
-            form_factors: Some(solved.form_factors),
-            assembled: Some(solved.assembled),
-            bases: Some(solved.bases),
-            reflectance: solved.reflectance,
-            sweeps: Arc::new((1..=6).map(sweep).collect()),
-            settings,
-            ..Snapshot::default()
-        })
+        solution_of(&folder.path().join("room.obj"))
     };
     Arc::clone(SOLVED.get_or_init(solve))
+}
+
+/// The snapshot of a finished solve of a model.
+pub(crate) fn solution_of(model: &Path) -> Arc<Snapshot> {
+    let scene = scene::load(&SceneSource::File(model.to_owned())).expect("a scene");
+    let settings = SolveSettings { patches: lumenwalk::mesh::PatchTarget::Count(700), ..Default::default() };
+    let never = AtomicBool::new(false);
+    let solved =
+        session::solve(Arc::new(scene), &settings, &never, &mut |_| Control::Continue).expect("solved");
+    Arc::new(Snapshot {
+        serial: 1,
+        mesh_serial: 1,
+        stage: Stage::Converged,
+        fraction: 1.0,
+        rows: (solved.mesh.patches.len(), solved.mesh.patches.len()),
+        scene: Some(solved.scene),
+        mesh: Some(solved.mesh),
+        plan: Some(solved.plan),
+        computer: Some(solved.computer),
+        form_factors: Some(solved.form_factors),
+        assembled: Some(solved.assembled),
+        bases: Some(solved.bases),
+        reflectance: solved.reflectance,
+        sweeps: Arc::new((1..=6).map(sweep).collect()),
+        settings,
+        ..Snapshot::default()
+    })
 }
 
 /// Reports that stay the same whatever the solver learns: pictures of the window show them.

@@ -45,6 +45,7 @@ const KEYS: [(&str, &[(&str, &str)]); 4] = [
             ("R", "its row of form factors on the scene, on or off"),
             ("Backspace", "back to the patch before"),
             ("J", "table of patches, worst first"),
+            ("K", "doctor: what is doubtful about the model"),
         ],
     ),
     (

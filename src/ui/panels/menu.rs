@@ -2,8 +2,9 @@
 
 use super::solver::{is_running, state_of};
 use super::{Commands, Model};
-use crate::scene::SceneSource;
+use crate::scene::{SceneSource, Severity};
 use crate::ui::command::{Command, SaveKind};
+use crate::ui::doctor::Ask;
 use crate::ui::state::{Quantity, ShadingMode};
 use crate::ui::{theme, units};
 use egui::{Button, RichText};
@@ -26,8 +27,30 @@ pub(in crate::ui) fn show(ui: &mut egui::Ui, model: &Model<'_>, out: &mut Comman
             let text = format!("{}  -  {} patches", scene.name, units::count(patches));
             ui.label(RichText::new(text).color(theme::TEXT));
         }
+        badge(ui, model, out);
         ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| solve_state(ui, model));
     });
+}
+
+/// How many findings of the doctor deserve a look; nothing where none does.
+fn badge(ui: &mut egui::Ui, model: &Model<'_>, out: &mut Commands) {
+    let Some(report) = model.doctor.report() else { return };
+    let (errors, warnings) = (report.count(Severity::Error), report.count(Severity::Warning));
+    if errors + warnings == 0 {
+        return;
+    }
+    let told = |count: usize, word: &str| format!("{count} {word}{}", if count == 1 { "" } else { "s" });
+    let (text, colour) = match (errors, warnings) {
+        (0, warnings) => (told(warnings, "warning"), theme::WARNING),
+        (errors, 0) => (told(errors, "error"), theme::FAILURE),
+        (errors, warnings) => {
+            (format!("{}, {}", told(errors, "error"), told(warnings, "warning")), theme::FAILURE)
+        }
+    };
+    let button = Button::new(RichText::new(text).small().color(colour)).small();
+    if ui.add(button).on_hover_text("What the doctor found doubtful about the model (K)").clicked() {
+        out.push(Command::Doctor(Ask::Toggle));
+    }
 }
 
 fn solve_state(ui: &mut egui::Ui, model: &Model<'_>) {
@@ -89,6 +112,14 @@ fn file(ui: &mut egui::Ui, model: &Model<'_>, out: &mut Commands) {
         item(ui, out, kind.title(), key, lit, Command::Save(kind));
     }
     let has_file = model.scene.is_some_and(|scene| matches!(scene.source, SceneSource::File(_)));
+    item(
+        ui,
+        out,
+        SaveKind::RepairedCopy.title(),
+        "",
+        model.scene.is_some(),
+        Command::Save(SaveKind::RepairedCopy),
+    );
     item(ui, out, "Save lamps, materials and bookmarks", "", has_file, Command::SaveSidecar);
     ui.separator();
     item(ui, out, "Quit", "Ctrl-Q", true, Command::Quit);
@@ -168,5 +199,7 @@ fn mesh(ui: &mut egui::Ui, model: &Model<'_>, out: &mut Commands) {
     item(ui, out, "Back to the patch before", "Backspace", model.can_go_back, Command::PickBack);
     let table = if model.state.table_open { "Hide the table of patches" } else { "Table of patches" };
     item(ui, out, table, "J", true, Command::ToggleTable);
+    let doctor = if model.state.doctor_open { "Hide the doctor" } else { "Doctor" };
+    item(ui, out, doctor, "K", true, Command::Doctor(Ask::Toggle));
     item(ui, out, "Look into no patch", "Esc", model.inspected.is_some(), Command::Inspect(None));
 }

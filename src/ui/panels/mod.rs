@@ -2,6 +2,7 @@
 
 pub(super) mod accuracy;
 pub(super) mod display;
+pub(super) mod doctor;
 mod error_chart;
 pub(super) mod help;
 mod hemicube;
@@ -18,6 +19,7 @@ pub(super) mod views;
 
 use super::auditor::Auditor;
 use super::command::Command;
+use super::doctor::Doctor;
 use super::microscope::Microscope;
 use super::state::{Edits, UiState};
 use crate::display::{Exposure, FalseColour};
@@ -84,6 +86,8 @@ pub(super) struct Model<'a> {
     pub(super) last_change: &'a str,
     /// How wrong the picture is, and what solves cost.
     pub(super) auditor: &'a Auditor,
+    /// What is doubtful about the model.
+    pub(super) doctor: &'a Doctor,
     /// Undo and redo.
     pub(super) can: [bool; 2],
     /// Seconds that the last frames took on average.

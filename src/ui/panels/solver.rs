@@ -131,6 +131,10 @@ fn residual_plot(ui: &mut egui::Ui, sweeps: &[SweepReport]) {
         .allow_boxed_zoom(false)
         .show_x(false)
         .show_y(false)
+        // Its labels come and go with the number of sweeps, which stands above.
+        .show_axes([false, true])
+        // Wide enough for every label from the first frame on.
+        .y_axis_min_width(34.0)
         .include_y(low)
         .include_y(high)
         .y_grid_spacer(move |_| {
