@@ -5,7 +5,7 @@ use super::{Commands, Model};
 use crate::ui::command::Command;
 use crate::ui::runs::{Finished, nearest};
 use crate::ui::{theme, units};
-use egui::{Color32, RichText, vec2};
+use egui::{Align2, Color32, RichText, vec2};
 use egui_plot::{
     GridMark, HoverPosition, Line, LineStyle, MarkerShape, Plot, PlotPoint, PlotPoints, Points, Text,
 };
@@ -82,8 +82,12 @@ pub(super) fn show(ui: &mut egui::Ui, model: &Model<'_>, out: &mut Commands) {
                 // One label a scene, at its latest solve.
                 if elsewhere[k + 1..].iter().all(|later| later.scene != run.scene) {
                     let name = RichText::new(&run.scene).size(10.0);
-                    let above = PlotPoint::new(at[0], at[1] + 0.08);
-                    plot.text(Text::new("elsewhere", above, name).color(ELSEWHERE).allow_hover(false));
+                    // Below, to the left and to the right in turn: solves of small scenes lie close together.
+                    let (aside, anchor) =
+                        if k % 2 == 0 { (-0.04, Align2::RIGHT_TOP) } else { (0.04, Align2::LEFT_TOP) };
+                    let text =
+                        Text::new("elsewhere", PlotPoint::new(at[0] + aside, at[1]), name).anchor(anchor);
+                    plot.text(text.color(ELSEWHERE).allow_hover(false));
                 }
             }
             for run in runs.finished.iter().filter(here).filter(|f| f.budget.is_some()) {
