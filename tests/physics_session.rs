@@ -184,6 +184,44 @@ fn a_tolerance_costs_no_row_and_a_patch_size_all() {
     assert_eq!(recomputed(&by_rays).0, patches, "{}", by_rays.last_change);
 }
 
+#[test]
+fn a_finer_mesh_refines_the_light_that_is_there_and_ends_where_a_fresh_solve_does() {
+    let asked = SolveSettings { tolerance: 1e-6, ..coarse(3000) };
+    let watched = Watched::new();
+    watched.session.set_settings(SolveSettings { tolerance: 1e-6, ..coarse(900) });
+    let first = watched.open_builtin("hemicube");
+    let flux = |s: &Snapshot| -> f64 {
+        let (mesh, bases) = (s.mesh.as_ref().unwrap(), s.bases.as_ref().expect("never dark"));
+        assert_eq!(bases.patches, mesh.patches.len());
+        let stride = bases.values.len() / bases.patches;
+        let lit = mesh.patches.iter().zip(bases.values.chunks(stride));
+        lit.map(|(p, h)| p.area * f64::from(h.iter().sum::<f32>())).sum()
+    };
+    let before = flux(&first);
+    watched.session.set_settings(asked.clone());
+    let mut seen = 0;
+    let end = loop {
+        watched.news.recv_timeout(Duration::from_secs(300)).expect("news");
+        let latest = watched.session.latest();
+        if latest.mesh_serial > first.mesh_serial {
+            seen += 1;
+            assert!((flux(&latest) / before - 1.0).abs() < 0.03, "{:?}: {}", latest.stage, flux(&latest));
+        }
+        if latest.stage == Stage::Converged && latest.mesh_serial > first.mesh_serial {
+            break latest;
+        }
+    };
+    assert!(seen > 3, "{seen}");
+
+    let scene = end.scene.clone().unwrap();
+    let fresh = solved(&scene, &asked);
+    let refined = end.solved().unwrap();
+    assert!(refined.sweeps.len() < fresh.sweeps.len(), "the old light saves sweeps");
+    let (a, b) = (&refined.bases.values, &fresh.bases.values);
+    let largest = b.iter().copied().fold(0.0, f32::max);
+    assert!(a.iter().zip(b).all(|(x, y)| (x - y).abs() <= 1e-5 * largest));
+}
+
 fn write_room(folder: &Path, rho: f64, shift: f64) -> SceneSource {
     let room = room_with_blocks(rho);
     let (obj, mtl) = room.texts();

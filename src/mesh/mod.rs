@@ -6,6 +6,7 @@
 
 mod build;
 mod checkup;
+mod correspondence;
 mod neighbours;
 mod patches;
 mod pieces;

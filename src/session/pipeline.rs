@@ -5,7 +5,7 @@ use crate::effects::{self, Effect, EffectChoices, EffectPlan};
 use crate::form_factors::{AssembleReport, FormFactors, Method, ReceivingPoints, Row, RowComputer, Sampling};
 use crate::mesh::{self, MeshSettings, PatchMesh, PatchTarget};
 use crate::scene::{Lighting, Scene};
-use crate::solver::{GaussSeidel, LightBases, PatchLight, Shooter, SweepReport, System};
+use crate::solver::{GaussSeidel, LightBases, PatchLight, Refiner, Shooter, SweepReport, System};
 use glam::DVec3;
 use rayon::prelude::*;
 use std::sync::Arc;
@@ -121,7 +121,7 @@ pub struct Progress<'a> {
 /// Where a picture on the way is copied from.
 #[derive(Clone, Copy)]
 enum Pictured<'a> {
-    Shooter(&'a Shooter),
+    Arriving(&'a Arriving),
     Sweeps(&'a GaussSeidel, &'a System),
 }
 
@@ -129,16 +129,55 @@ impl Progress<'_> {
     /// The picture as it stands, if there is one; copies it.
     pub fn picture(&self) -> Option<LightBases> {
         Some(match self.picture? {
-            Pictured::Shooter(shooter) => shooter.bases(),
+            Pictured::Arriving(arriving) => arriving.bases(),
             Pictured::Sweeps(solver, system) => solver.bases(system),
         })
     }
 
-    /// The radiosity that has not been passed on, while rows arrive; copies it.
+    /// The radiosity that has not been passed on, while rows arrive in a dark scene; copies it.
     pub fn unshot(&self) -> Option<LightBases> {
         match self.picture? {
-            Pictured::Shooter(shooter) => Some(shooter.unshot()),
-            Pictured::Sweeps(..) => None,
+            Pictured::Arriving(Arriving::Shot(shooter)) => Some(shooter.unshot()),
+            _ => None,
+        }
+    }
+}
+
+/// What the scene is lit by while rows arrive.
+enum Arriving {
+    /// From dark: each row passes on what its patch has.
+    Shot(Shooter),
+    /// From the light of an earlier solve: each row gathers for its patch.
+    Refined(Refiner),
+}
+
+impl Arriving {
+    fn new(system: &System, standing: Option<LightBases>) -> Self {
+        match standing.and_then(|light| Refiner::new(system, light)) {
+            Some(refiner) => Self::Refined(refiner),
+            None => Self::Shot(Shooter::new(system)),
+        }
+    }
+
+    /// The patches whose rows are to come next.
+    fn brightest(&mut self, system: &System, count: usize) -> Vec<u32> {
+        match self {
+            Self::Shot(shooter) => shooter.brightest(system, count),
+            Self::Refined(refiner) => refiner.brightest(count),
+        }
+    }
+
+    fn take(&mut self, system: &System, patch: u32, row: &Row) {
+        match self {
+            Self::Shot(shooter) => shooter.shoot(system, patch, row),
+            Self::Refined(refiner) => refiner.gather(system, patch, row),
+        }
+    }
+
+    fn bases(&self) -> LightBases {
+        match self {
+            Self::Shot(shooter) => shooter.bases(),
+            Self::Refined(refiner) => refiner.bases().clone(),
         }
     }
 }
@@ -324,33 +363,40 @@ impl<'a> Run<'a> {
         }
     }
 
-    /// All rows: those of the luminaires first, then by unshot power; lights the scene on the way.
+    /// All rows; lights the scene on the way. From dark those of the luminaires come first and then by
+    /// unshot power. Where the light of an earlier solve is `standing` on these patches, it is refined
+    /// instead, the brightest patches first.
     pub fn rows(
         &mut self,
         prepared: &Prepared,
         system: &System,
+        standing: Option<LightBases>,
     ) -> Result<(Vec<Row>, LightBases), PipelineError> {
         let clock = Instant::now();
         let n = prepared.mesh.patches.len();
         let computer = &prepared.computer;
         check_memory(computer, system)?;
         let mut rows = vec![Row::default(); n];
-        let mut shooter = Shooter::new(system);
-        let lamps: Vec<u32> =
-            (0..n as u32).filter(|&i| prepared.mesh.patches[i as usize].luminaire.is_some()).collect();
+        let mut arriving = Arriving::new(system, standing);
+        let lamps: Vec<u32> = match arriving {
+            Arriving::Shot(_) => {
+                (0..n as u32).filter(|&i| prepared.mesh.patches[i as usize].luminaire.is_some()).collect()
+            }
+            Arriving::Refined(_) => Vec::new(),
+        };
         let batch = computer.batch();
         let mut waiting_lamps = lamps.chunks(batch.max(1));
         let mut done = 0;
         while done < n {
             let lamp_batch = waiting_lamps.next();
             let stage = if lamp_batch.is_some() { Stage::FirstLight } else { Stage::Rows };
-            let picked = lamp_batch.map_or_else(|| shooter.brightest(system, batch), <[u32]>::to_vec);
+            let picked = lamp_batch.map_or_else(|| arriving.brightest(system, batch), <[u32]>::to_vec);
             let computed: Vec<Row> = picked
                 .par_iter()
                 .map_init(|| computer.scratch(), |scratch, &i| computer.row(i, scratch))
                 .collect();
             for (&i, row) in picked.iter().zip(computed) {
-                shooter.shoot(system, i, &row);
+                arriving.take(system, i, &row);
                 rows[i as usize] = row;
             }
             done += picked.len();
@@ -363,10 +409,10 @@ impl<'a> Run<'a> {
             // Rows took nine tenths of the time in every scene measured.
             let fraction = 0.9 * done as f64 / n as f64;
             let left = (done > lamps.len().min(n - 1)).then(|| elapsed * (1.0 / fraction - 1.0));
-            let picture = Some(Pictured::Shooter(&shooter));
+            let picture = Some(Pictured::Arriving(&arriving));
             self.tell(stage, (done, n), (fraction, left), &[], picture, first_light)?;
         }
-        Ok((rows, shooter.bases()))
+        Ok((rows, arriving.bases()))
     }
 
     /// Makes the rows reciprocal and closed.
@@ -471,7 +517,7 @@ pub fn solve(
     run.timings = prepared.timings;
     let reflectance = patch_reflectance(&prepared.mesh, &|_| None);
     let system = system(&prepared, &reflectance);
-    let (rows, start) = run.rows(&prepared, &system)?;
+    let (rows, start) = run.rows(&prepared, &system, None)?;
     let (form_factors, assembled) = run.assemble(&prepared, rows)?;
     let (bases, sweeps) = run.sweeps(&prepared, &form_factors, &system, Some(&start), settings.tolerance)?;
     let plan = Arc::new(effect_costs::measured(&prepared, system.lamps, &run.timings));

@@ -356,7 +356,8 @@ impl Worker<'_> {
 
         if self.state.form_factors.is_none() {
             todo.rows = prepared.mesh.patches.len();
-            let (rows, start) = self.with_run(|run| run.rows(&prepared, &system))?;
+            let standing = self.state.bases.as_deref().cloned();
+            let (rows, start) = self.with_run(|run| run.rows(&prepared, &system, standing))?;
             let (form_factors, assembled) = self.with_run(|run| run.assemble(&prepared, rows))?;
             let form_factors = Arc::new(form_factors);
             self.state.form_factors = Some(form_factors.clone());
@@ -438,7 +439,11 @@ impl Worker<'_> {
             self.snapshot.form_factors = None;
             self.snapshot.assembled = None;
         }
-        self.state.bases = None;
+        // The light of the same scene stays, and is refined on its new patches.
+        let light = self.state.scene.as_ref().filter(|old| Arc::ptr_eq(old, &scene)).and_then(|_| {
+            self.state.bases.as_ref()?.carried(&self.state.prepared.as_ref()?.mesh, &prepared.mesh)
+        });
+        self.state.bases = light.map(Arc::new);
         self.state.scene = Some(scene.clone());
         self.snapshot.timings = timings;
         self.snapshot.timings.mesh = prepared.timings.mesh;
@@ -448,7 +453,7 @@ impl Worker<'_> {
         self.snapshot.plan = Some(prepared.plan.clone());
         self.snapshot.computer = Some(prepared.computer.clone());
         self.snapshot.mesh_serial += 1;
-        (self.snapshot.bases, self.snapshot.unshot) = (None, None);
+        (self.snapshot.bases, self.snapshot.unshot) = (self.state.bases.clone(), None);
         self.snapshot.sweeps = Arc::default();
         self.snapshot.error = None;
         self.snapshot.reflectance =

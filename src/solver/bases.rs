@@ -1,4 +1,4 @@
-use crate::mesh::PatchMesh;
+use crate::mesh::{NO_PATCH, PatchMesh};
 use crate::scene::Lighting;
 
 /// Irradiance of every patch for every luminaire alone, at unit white exitance.
@@ -42,6 +42,27 @@ impl LightBases {
             light.radiosity.push(std::array::from_fn(|b| emission[b] + rho[b] * irradiance[b]));
         }
         light
+    }
+
+    /// The same light on another mesh of the same scene: each patch takes what the patch of `mesh`
+    /// at its centre has, or nothing where there is none. `None` where the meshes are of different
+    /// scenes, or this light is not that of `mesh`.
+    pub fn carried(&self, mesh: &PatchMesh, to: &PatchMesh) -> Option<Self> {
+        let stride = self.lamps * self.bands;
+        if self.patches != mesh.patches.len() || self.values.len() != self.patches * stride {
+            return None;
+        }
+        let places = to.places_on(mesh)?;
+        let mut values = vec![0.0; places.len() * stride];
+        if stride > 0 {
+            for (own, &place) in values.chunks_exact_mut(stride).zip(&places) {
+                if place != NO_PATCH {
+                    let at = place as usize * stride;
+                    own.copy_from_slice(&self.values[at..at + stride]);
+                }
+            }
+        }
+        Some(Self { patches: places.len(), values, ..*self })
     }
 
     /// The values of the first `patches` patches under `lighting`: the sum over the lamps, each times

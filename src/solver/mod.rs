@@ -1,18 +1,20 @@
 //! Gauss-Seidel over the stored rows, one basis a luminaire, with a power-balance correction.
 //!
 //! A [`System`] holds what every basis shares: reflectances and the emission of each luminaire at
-//! unit output. [`Shooter`] lights it row by row while form factors arrive; [`GaussSeidel`] brings
-//! it to convergence once all are there.
+//! unit output. While form factors arrive, [`Shooter`] lights it row by row, or [`Refiner`] refines a
+//! light that it has already; [`GaussSeidel`] brings it to convergence once all are there.
 
 mod balance;
 mod bases;
 mod gauss_seidel;
+mod refiner;
 mod residual;
 mod shooter;
 mod system;
 
 pub use bases::{LightBases, PatchLight, patch_emission};
 pub use gauss_seidel::{GaussSeidel, columns_read};
+pub use refiner::Refiner;
 pub use residual::residual;
 pub use shooter::Shooter;
 pub use system::System;

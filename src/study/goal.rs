@@ -124,7 +124,8 @@ pub fn reach(
         let clock = Instant::now();
         let foreseen = model.seconds(next);
         let foreseen_error = model.error(next);
-        let solve = solve_until(scene.clone(), &settings, deadline, best.is_some(), &model, observer);
+        let before = best.as_ref().map(|(solved, ..)| solved);
+        let solve = solve_until(scene.clone(), &settings, deadline, before, &model, observer);
         let (solved, complete) = match solve {
             Ok(Outcome::Whole(solved)) => (*solved, true),
             Ok(Outcome::Part(solved)) => (*solved, false),
@@ -351,16 +352,17 @@ enum Outcome {
     TooLong,
 }
 
-/// Solves, and gives up in time for `deadline`. With `has_another` picture to fall back on it does not
-/// even begin its rows where a trial of some says that they would take too long.
+/// Solves, and gives up in time for `deadline`. With the solve `before` to fall back on, whose light it
+/// refines, it does not even begin its rows where a trial of some says that they would take too long.
 fn solve_until(
     scene: Arc<Scene>,
     settings: &SolveSettings,
     deadline: Option<Instant>,
-    has_another: bool,
+    before: Option<&Solved>,
     model: &CostModel,
     observer: &mut dyn FnMut(News<'_>) -> Control,
 ) -> Result<Outcome, PipelineError> {
+    let has_another = before.is_some();
     let prepared = prepare(scene, settings)?;
     let left = |d: Instant| d.saturating_duration_since(Instant::now()).as_secs_f64();
     let meshed = prepared.timings.mesh + prepared.timings.plan;
@@ -409,7 +411,8 @@ fn solve_until(
         }
         let mut run = Run::new(&mut keep, &cancel, prepared.timings);
         let outcome = (|| {
-            let (rows, start) = run.rows(&prepared, &system)?;
+            let standing = before.and_then(|b| b.bases.carried(&b.mesh, &prepared.mesh));
+            let (rows, start) = run.rows(&prepared, &system, standing)?;
             let (form_factors, assembled) = run.assemble(&prepared, rows)?;
             let (bases, sweeps) =
                 run.sweeps(&prepared, &form_factors, &system, Some(&start), settings.tolerance)?;

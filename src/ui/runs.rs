@@ -103,12 +103,20 @@ impl Runs {
                 &unshot.sum(lighting, mesh.patches.len()),
                 &snapshot.reflectance,
             ),
+            (Stage::Rows, None) => self.not_refined(snapshot.rows),
             (Stage::Sweeping, _) => self.after_sweep(&mesh.patches, light, snapshot),
             _ => None,
         };
         if let Some(error) = error.filter(|e| *e > 0.0 && elapsed > 0.0) {
             self.algebraic.push([elapsed, error]);
         }
+    }
+
+    /// Where the light of the solve before is being refined, its error on the share of patches that have
+    /// no row yet; `None` where that error is not known.
+    fn not_refined(&self, (done, all): (usize, usize)) -> Option<f64> {
+        let before = self.last()?.budget?.total.error;
+        (all > 0).then(|| before * (1.0 - done as f64 / all as f64).max(0.0).sqrt())
     }
 
     /// What further sweeps will change: the change of the last one, continued as a geometric series.
@@ -200,6 +208,7 @@ pub(super) fn nearest(runs: &Runs, at: [f64; 2]) -> Option<&Finished> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::accuracy::Estimate;
     use crate::mesh::PatchTarget;
     use crate::session::{Control, Progress, solve};
     use std::sync::atomic::AtomicBool;
@@ -258,6 +267,30 @@ mod tests {
         assert!(compared >= 3, "{compared}");
         let live = runs.live(0.02);
         assert!(live.iter().all(|p| p[1] >= 0.02) && live[live.len() - 1][1] < 0.021);
+    }
+
+    #[test]
+    fn a_light_that_is_refined_has_the_old_error_where_no_row_has_come() {
+        let scene = crate::scene::load(&SceneSource::Builtin("cornell".to_owned())).unwrap();
+        let lighting = scene.lighting();
+        let mut snapshot = Snapshot {
+            scene: Some(Arc::new(scene)),
+            mesh: Some(Arc::default()),
+            bases: Some(Arc::default()),
+            ..Snapshot::default()
+        };
+        let mut runs = Runs::default();
+        runs.note(&snapshot);
+        let old = Estimate { error: 0.04, low: 0.03, high: 0.05 };
+        runs.checked(ErrorBudget { total: old, ..ErrorBudget::default() });
+        for (done, told) in [(25, 0.04 * 0.75_f64.sqrt()), (75, 0.02)] {
+            (snapshot.stage, snapshot.rows, snapshot.bases) =
+                (Stage::Rows, (done, 100), Some(Arc::default()));
+            snapshot.timings.rows = 0.01 * done as f64;
+            runs.trace(&snapshot, &lighting, &PatchLight::default());
+            let live = runs.live(0.0);
+            assert!((live[live.len() - 1][1] - told).abs() < 1e-12, "{live:?}");
+        }
     }
 
     #[test]

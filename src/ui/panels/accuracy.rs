@@ -218,7 +218,8 @@ fn goal(ui: &mut egui::Ui, model: &Model<'_>, out: &mut Commands) {
         }
         let ready = auditor.budget.is_some() && !auditor.is_reaching();
         let button = ui.add_enabled(ready, egui::Button::new("Reach it"));
-        let tip = "Choose patches and lines, solve, check, and refine until it is reached";
+        let tip = "Choose patches and lines, solve, check, and refine until it is reached; \
+                   every step refines the light of the last";
         if button.on_hover_text(tip).clicked() {
             out.push(Command::Accuracy(Ask::Reach));
         }
