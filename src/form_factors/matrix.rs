@@ -26,6 +26,8 @@ pub struct AssembleReport {
     pub worst_closure: f64,
     /// Area-weighted mean over pairs of |A_i F_ij - A_j F_ji| over their mean, as sampled.
     pub mean_reciprocity: f64,
+    /// Rows that were gathered at several points of their patch.
+    pub several_points: usize,
     /// Close pairs replaced by closed forms.
     pub close_pairs: usize,
     /// Scaling passes until the power balance closed.
@@ -98,6 +100,7 @@ impl FormFactors {
                 mesh.patches[i].area * HEADROOM * row_target(computer, &rows, &close, (i, sums[i]), sealed)
             })
             .collect();
+        let several_points = rows.iter().filter(|row| row.points.count() > 1).count();
         drop(rows);
         let entries = blocks.iter().map(|b| b.columns.len()).sum();
         let mut matrix = Self {
@@ -126,6 +129,7 @@ impl FormFactors {
         let report = AssembleReport {
             worst_closure,
             mean_reciprocity: if mean > 0.0 { gap / mean } else { 0.0 },
+            several_points,
             close_pairs,
             passes,
             imbalance,

@@ -35,11 +35,12 @@ impl ReceivingPoints {
         }
     }
 
-    /// Points of a quadrilateral that is gathered at several.
-    pub(super) fn several(self) -> u32 {
+    /// Points of a quadrilateral.
+    pub(super) fn count(self) -> u32 {
         match self {
+            Self::Auto | Self::One => 1,
+            Self::Four => 4,
             Self::Sixteen => 16,
-            _ => 4,
         }
     }
 }

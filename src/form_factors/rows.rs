@@ -177,8 +177,8 @@ impl RowComputer {
             Sampler::Rays(count) => 4.0 * f64::from(*count) / 4096.0,
         };
         let points = match (&self.sampler, self.points) {
-            (_, ReceivingPoints::Auto | ReceivingPoints::One) | (Sampler::Rays(_), _) => 1.0,
-            (_, several) => f64::from(several.several()),
+            (Sampler::Rays(_), _) => 1.0,
+            (_, points) => f64::from(points.count()),
         };
         (96.0 / (cost * points)).clamp(2.0, 256.0) as usize
     }
@@ -250,6 +250,13 @@ impl RowComputer {
         }
         scratch.row.set_weight(1.0);
         Row { points: at, covered, ..scratch.row.take() }
+    }
+
+    /// How many times as many half-planes a row that a shadow's edge crosses takes as one gathered at its
+    /// centre, with the default method, so many half-planes and receiving points chosen by it.
+    pub fn shadowed_lines(lines: u32) -> f64 {
+        // The centre is looked at first.
+        if lines as usize >= FINE_SHADOWS { 1.0 + 16.0 * COARSER } else { 1.0 + 4.0 * COARSE }
     }
 
     /// At how many points a patch is gathered that a shadow's edge may cross.
@@ -365,7 +372,7 @@ impl RowComputer {
             }
             Sampler::Rays(count) => {
                 let count = match purpose {
-                    Purpose::OneOf(points) => count.div_ceil(points.several()),
+                    Purpose::OneOf(points) => count.div_ceil(points.count()),
                     Purpose::Centre | Purpose::Lamp => *count,
                 };
                 self.rays.gather(count, point, &frame, turn, &mut scratch.row);

@@ -2,6 +2,7 @@
 
 use super::trial::Trial;
 use crate::accuracy::ErrorBudget;
+use crate::form_factors::RowComputer;
 use crate::session::{Prepared, Solved, Timings};
 
 /// How fine a solve is: what its cost and its error depend on.
@@ -26,6 +27,8 @@ pub struct Measured {
     pub columns: f64,
     /// What one row costs besides its lines, as lines; see [`super::row_overhead`].
     pub overhead: f64,
+    /// Share of the rows that were gathered at several points.
+    pub shadowed: f64,
     /// Form factors and visibility, relative.
     pub form_factors: f64,
     /// Patches, relative.
@@ -36,7 +39,8 @@ pub struct Measured {
 
 /// Extrapolates cost and error from measured solves of one scene on this machine.
 ///
-/// Rows cost by their lines, with an overhead that is tried out, and a little by how many patches a line
+/// Rows cost by their lines, with an overhead that is tried out and more where shadows' edges take several
+/// points, and a little by how many patches a line
 /// crosses. Form factors grow with the square of the patches, as far as lines find them. Balancing them
 /// and sweeping costs by their number; on top of that come close pairs, by the number of patches, and the
 /// power balance, by the pairs of its parts. The shares are those of benches; how fast this machine is
@@ -85,6 +89,7 @@ impl Measured {
             entries: solved.form_factors.entries() as f64,
             columns: (solved.bases.lamps * solved.bases.bands) as f64,
             overhead,
+            shadowed: solved.assembled.several_points as f64 / solved.mesh.patches.len().max(1) as f64,
             form_factors: error(&|b| b.form_factors.error),
             mesh: error(&|b| b.mesh.error),
             total: error(&|b| b.total.error),
@@ -95,6 +100,12 @@ impl Measured {
     fn nominal_sweeps(&self, patches: f64, entries: f64) -> f64 {
         let parts = if patches <= ALL_PARTS { 1.0 } else { (PARTS / patches).powi(2) };
         AGGREGATE * entries * parts + (SWEEPS[0] + SWEEPS[1] * self.columns) * entries
+    }
+
+    /// What a row by so many lines costs in the mean, as lines.
+    fn row(&self, lines: f64) -> f64 {
+        let several = RowComputer::shadowed_lines(lines as u32);
+        (lines + self.overhead) * (1.0 + self.shadowed * (several - 1.0))
     }
 
     fn is_audited(&self) -> bool {
@@ -117,7 +128,7 @@ impl CostModel {
     pub fn seconds(&self, wanted: Fineness) -> Option<f64> {
         let base = self.measured.last()?;
         let patches = wanted.patches / base.fineness.patches;
-        let lines = (wanted.lines + base.overhead) / (base.fineness.lines + base.overhead);
+        let lines = base.row(wanted.lines) / base.row(base.fineness.lines);
         let t = &base.timings;
         Some(
             (t.mesh + t.plan) * patches.powf(MESH_GROWTH)
@@ -255,6 +266,7 @@ mod tests {
             entries: 1e6,
             columns: 3.0,
             overhead: 24.0,
+            shadowed: 0.0,
             form_factors,
             mesh,
             total: form_factors.hypot(mesh),
@@ -290,6 +302,12 @@ mod tests {
         slow.learn(Measured { overhead: 300.0, ..base });
         let fewer = Fineness { patches: 1000.0, lines: 24.0 };
         assert!(slow.seconds(fewer).unwrap() > 1.1 * at(1000.0, 24.0));
+        // From 384 lines on a shadow's edge takes sixteen points: 1 + 8 for 1 + 2.68 half-planes.
+        let mut shady = CostModel::default();
+        shady.learn(Measured { shadowed: 1.0, ..base });
+        let by = |model: &CostModel, lines: f64| model.seconds(Fineness { patches: 1000.0, lines }).unwrap();
+        let rows = |model: &CostModel| by(model, 384.0) - by(model, 256.0) * (384.0 + 24.0) / (256.0 + 24.0);
+        assert!(rows(&shady) > 5.0 * base.timings.rows && rows(&model).abs() < base.timings.solve());
     }
 
     #[test]

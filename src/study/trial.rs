@@ -18,11 +18,12 @@ pub struct Trial {
 /// Rows that are tried.
 const TRIED: usize = 96;
 /// Rows that are tried to learn what lines cost, how often, by how many times as many lines, and at least
-/// by how many.
+/// and at most by how many.
 const COMPARED: usize = 24;
 const REPEATS: usize = 2;
 const TIMES: u32 = 4;
 const FEWEST: u32 = 24;
+const MOST: u32 = 64;
 /// What a row costs besides its lines lies between these, as lines.
 const OVERHEAD: [f64; 2] = [8.0, 400.0];
 
@@ -47,10 +48,11 @@ pub fn trial(prepared: &Prepared) -> Trial {
 }
 
 /// What one row of a solved scene costs besides its lines, as lines: with t and T the times of some rows
-/// by n and by 4 n lines, (4 n + x) / (n + x) = T / t. Takes `lines` as 4 n, where those are not too few. Runs on the calling thread, for some fifty rows.
+/// by n and by 4 n lines, (4 n + x) / (n + x) = T / t. Takes `lines` as 4 n, where those are not too few, nor so many that
+/// receiving points are chosen otherwise. Runs on the calling thread, for some fifty rows.
 pub fn row_overhead(solved: &Solved, lines: u32) -> f64 {
     let visibility = solved.plan.is_on(Effect::Visibility);
-    let few = if lines >= TIMES * FEWEST { lines / TIMES } else { lines };
+    let few = if lines >= TIMES * FEWEST { (lines / TIMES).min(MOST) } else { lines };
     let computers = [few, TIMES * few].map(|lines| {
         let points = ReceivingPoints::Auto;
         let sampling = Sampling { method: Method::Lines, resolution: Some(lines), points };

@@ -412,6 +412,7 @@ mod tests {
             entries: 3e5,
             columns: 3.0,
             overhead: 24.0,
+            shadowed: 0.0,
             form_factors,
             mesh,
             total: form_factors.hypot(mesh),
