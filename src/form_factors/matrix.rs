@@ -48,6 +48,11 @@ const SMALL_LAMP: f64 = 0.25;
 /// Scaling stops at this deviation of row sums, or after that many passes.
 const BALANCED: f64 = 1e-7;
 const MOST_PASSES: usize = 40;
+/// Steps of the logarithms of scales, and what is kept of the step before (the heavy ball of Polyak 1964).
+/// The matrix of their linear equations, 1 + F, has eigenvalues between 0, where two patches see but each
+/// other, and 2. These are the best for 0.4 to 2, where those of rooms lie: half the passes of plain steps.
+const STEP: f64 = 0.955;
+const MOMENTUM: f64 = 0.146;
 /// A patch that sees less than this is buried (under a box, say): it takes no part.
 const BURIED: f64 = 1e-6;
 /// Rows assembled by one task.
@@ -142,6 +147,7 @@ impl FormFactors {
         let n = self.areas.len();
         let buried = |i: usize| targets[i] <= BURIED * self.areas[i];
         let mut scale: Vec<f64> = (0..n).map(|i| if buried(i) { 0.0 } else { 1.0 }).collect();
+        let mut steps = vec![0.0; n];
         let mut passes = 0;
         let mut imbalance;
         loop {
@@ -151,8 +157,9 @@ impl FormFactors {
             if imbalance < BALANCED || passes == MOST_PASSES || cancelled() {
                 break;
             }
-            for (i, s) in scale.iter_mut().enumerate() {
-                *s *= ratio(i).clamp(0.25, 4.0).sqrt();
+            for (i, (s, step)) in scale.iter_mut().zip(&mut steps).enumerate() {
+                *step = STEP * f64::ln(ratio(i).clamp(0.25, 4.0)) + MOMENTUM * *step;
+                *s *= f64::exp(*step);
             }
             passes += 1;
         }

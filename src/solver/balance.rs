@@ -11,8 +11,9 @@ use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 use std::collections::BTreeMap;
 
-/// At most this many aggregates: a dense system of this size is solved in milliseconds.
-const MOST_AGGREGATES: usize = 384;
+/// At most this many aggregates: a dense system of this size is factored in some 50 ms. With 384 the house at
+/// reflectance 0.99 was 1e-4 off after eight sweeps, with these 6e-7.
+const MOST_AGGREGATES: usize = 512;
 /// At most about this many parts of sides before they are joined.
 const MOST_PARTS: usize = 2048;
 /// Blocks of a side along each of its axes, at most.
