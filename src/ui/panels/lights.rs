@@ -182,7 +182,9 @@ fn colour_menu(ui: &mut egui::Ui, lamp: Lamp<'_>, state: LampState, new: &mut La
             };
         }
     });
-    if ui.button("As the file has it").clicked() {
-        new.exitance = lamp.luminaire.initial.exitance;
-    }
+    ui.horizontal(|ui| {
+        if ui.button("As the file has it").clicked() {
+            new.exitance = lamp.luminaire.initial.exitance;
+        }
+    });
 }

@@ -74,8 +74,13 @@ fn edit(ui: &mut egui::Ui, model: &Model<'_>, index: usize, out: &mut Commands) 
     theme::undo_menu_style(ui);
     ui.set_width(210.0);
     let id = ui.scope_id().with("name");
-    let mut name = ui.data(|d| d.get_temp::<String>(id)).unwrap_or_else(|| view.name.clone());
+    let begun = ui.data(|d| d.get_temp::<String>(id));
+    let has_opened = begun.is_none();
+    let mut name = begun.unwrap_or_else(|| view.name.clone());
     let field = ui.text_edit_singleline(&mut name).accessible_name("Name of the bookmark");
+    if has_opened {
+        field.request_focus();
+    }
     let entered = field.lost_focus() && ui.input(|i| i.key_pressed(egui::Key::Enter));
     let wanted = name.trim();
     let is_free = model.views.iter().enumerate().all(|(k, other)| k == index || other.name != wanted);
