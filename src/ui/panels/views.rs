@@ -45,9 +45,14 @@ pub(in crate::ui) fn show(ui: &mut egui::Ui, model: &Model<'_>, out: &mut Comman
             if shown.clicked() {
                 out.push(Command::GoToView(index));
             }
-            egui::Popup::context_menu(&shown)
+            let draft = shown.id.with("name");
+            let menu = egui::Popup::context_menu(&shown)
                 .close_behavior(egui::PopupCloseBehavior::CloseOnClickOutside)
-                .show(|ui| edit(ui, model, index, out));
+                .show(|ui| edit(ui, model, index, draft, out));
+            if menu.is_none() {
+                // What was typed and not wished for is forgotten.
+                ui.data_mut(|d| d.remove::<String>(draft));
+            }
         });
     }
     ui.horizontal(|ui| {
@@ -68,12 +73,11 @@ pub(in crate::ui) fn show(ui: &mut egui::Ui, model: &Model<'_>, out: &mut Comman
     });
 }
 
-/// The name of a bookmark to be changed, and its end.
-fn edit(ui: &mut egui::Ui, model: &Model<'_>, index: usize, out: &mut Commands) {
+/// The name of a bookmark to be changed, of which `id` keeps the draft, and its end.
+fn edit(ui: &mut egui::Ui, model: &Model<'_>, index: usize, id: egui::Id, out: &mut Commands) {
     let Some(view) = model.views.get(index) else { return };
     theme::undo_menu_style(ui);
     ui.set_width(210.0);
-    let id = ui.scope_id().with("name");
     let begun = ui.data(|d| d.get_temp::<String>(id));
     let has_opened = begun.is_none();
     let mut name = begun.unwrap_or_else(|| view.name.clone());
@@ -99,7 +103,6 @@ fn edit(ui: &mut egui::Ui, model: &Model<'_>, index: usize, out: &mut Commands) 
         out.push(Command::RemoveView(index));
     }
     if renamed || entered || removed {
-        ui.data_mut(|d| d.remove::<String>(id));
         ui.close();
     } else {
         ui.data_mut(|d| d.insert_temp(id, name));
