@@ -43,7 +43,7 @@ pub use luminaires::lumens;
 pub use mend::{Mended, mend};
 pub(crate) use names::list as name_list;
 pub use names::nearest as nearest_names;
-pub use sidecar_write::{sidecar_text, write_sidecar};
+pub use sidecar_write::{sidecar_text, write_frame, write_sidecar};
 pub use summary::{LuminaireSummary, MaterialSummary, Summary};
 pub use types::{
     Corner, LampState, LengthUnit, Lighting, Luminaire, Material, Scene, SceneSource, Sides, Surface,

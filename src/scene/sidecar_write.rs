@@ -3,7 +3,7 @@
 use super::error::SceneError;
 use super::luminaires::{selectors, selects};
 use super::sidecar::{LuminaireEntry, MaterialEntry, Sidecar, SidesKey, Source, UpKey, ViewEntry};
-use super::types::{Lighting, Scene, Sides, UpAxis};
+use super::types::{LengthUnit, Lighting, Scene, Sides, UpAxis};
 use std::io;
 use std::path::Path;
 use toml::Spanned;
@@ -94,12 +94,39 @@ pub fn write_sidecar(
     lighting: &Lighting,
     repainted: &[u32],
 ) -> Result<(), SceneError> {
-    let existing = match std::fs::read(path) {
-        Ok(bytes) => Some(String::from_utf8_lossy(&bytes).into_owned()),
-        Err(error) if error.kind() == io::ErrorKind::NotFound => None,
-        Err(error) => return Err(SceneError::reading(path, &error)),
+    let before = existing(path)?;
+    replace(path, &sidecar_text(scene, lighting, repainted, before.as_deref())?)
+}
+
+/// Writes the unit and the up axis of a model to the sidecar at `path`; all else in it stays (comments do
+/// not). The model has to be read again for it to take effect.
+///
+/// # Errors
+/// Where the sidecar that is there cannot be read, or the new one cannot be written.
+pub fn write_frame(path: &Path, unit: LengthUnit, up: UpAxis) -> Result<(), SceneError> {
+    let file = path.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned());
+    let mut sidecar = match existing(path)? {
+        Some(text) => Source { file: &file, text: &text }.parse()?,
+        None => Sidecar::default(),
     };
-    let text = sidecar_text(scene, lighting, repainted, existing.as_deref())?;
+    sidecar.unit = Some(unit.into());
+    sidecar.up = Some(if up == UpAxis::Z { UpKey::Z } else { UpKey::Y });
+    let text = toml::to_string(&sidecar)
+        .map_err(|error| SceneError::file(&file, format!("cannot be composed ({error})")))?;
+    replace(path, &text)
+}
+
+/// The text of a file where there is one.
+fn existing(path: &Path) -> Result<Option<String>, SceneError> {
+    match std::fs::read(path) {
+        Ok(bytes) => Ok(Some(String::from_utf8_lossy(&bytes).into_owned())),
+        Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(None),
+        Err(error) => Err(SceneError::reading(path, &error)),
+    }
+}
+
+/// Writes a text beside `path` and then renames it: a failure leaves the old file as it was.
+fn replace(path: &Path, text: &str) -> Result<(), SceneError> {
     let unwritable =
         |error: io::Error| SceneError::Unwritable { path: path.to_owned(), reason: error.to_string() };
     let mut beside = path.as_os_str().to_owned();
@@ -202,6 +229,28 @@ mod tests {
         let text = sidecar_text(&scene, &scene.lighting(), &[], Some(SIDECAR)).unwrap();
         assert!(text.contains("lumens = 450") && text.contains("cct = 2700"), "{text}");
         assert!(!text.contains("exitance"), "{text}");
+    }
+
+    #[test]
+    fn unit_and_axis_are_written_and_all_else_stays() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("t.toml");
+        write_frame(&path, LengthUnit::Centimetre, UpAxis::Z).unwrap();
+        let scene = from_text("t", OBJ, MTL, Some(&std::fs::read_to_string(&path).unwrap())).unwrap();
+        assert_eq!((scene.unit, scene.up), (LengthUnit::Centimetre, UpAxis::Z));
+
+        std::fs::write(&path, SIDECAR).unwrap();
+        let before = from_text("t", OBJ, MTL, Some(SIDECAR)).unwrap();
+        write_frame(&path, before.unit, UpAxis::Z).unwrap();
+        let after = from_text("t", OBJ, MTL, Some(&std::fs::read_to_string(&path).unwrap())).unwrap();
+        assert_eq!((after.up, after.unit), (UpAxis::Z, before.unit));
+        assert_eq!(after.lighting(), before.lighting());
+        let names = |scene: &Scene| scene.views.iter().map(|v| v.name.clone()).collect::<Vec<_>>();
+        assert_eq!(names(&after), names(&before));
+
+        std::fs::write(&path, "unit = 7").unwrap();
+        assert!(write_frame(&path, LengthUnit::Metre, UpAxis::Y).is_err(), "a damaged one is left alone");
+        assert_eq!(std::fs::read_to_string(&path).unwrap(), "unit = 7");
     }
 
     #[test]

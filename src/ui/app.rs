@@ -2,15 +2,15 @@
 
 use super::auditor::Auditor;
 use super::background::Background;
-use super::camera_control::CameraControl;
+use super::camera_control::{CameraControl, Motion};
 use super::command::EditKey;
 use super::doctor::Doctor;
 use super::exposure::AutoExposure;
-use super::files::{FileNews, Files};
+use super::files::Files;
 use super::frame_clock::FrameClock;
 use super::history::History;
-use super::microscope::{Microscope, Shown};
-use super::overlay::{NOTICE_SECS, Notice};
+use super::microscope::Microscope;
+use super::overlay::Notice;
 use super::panels::{self, Commands, Model};
 use super::path_dialog::{Answer, PathDialog};
 use super::picture::Picture;
@@ -37,6 +37,13 @@ pub(super) struct Seen {
     pub(super) from: Option<(crate::render::Camera, u64)>,
 }
 
+/// A scene that was asked for, and what the worker had published then.
+pub(super) struct Asked {
+    pub(super) name: String,
+    pub(super) serial: u64,
+    pub(super) known_error: Option<String>,
+}
+
 /// The window.
 pub struct App {
     pub(super) worker: Box<dyn Worker>,
@@ -46,7 +53,11 @@ pub struct App {
     pub(super) history: History<EditKey, Edits>,
     pub(super) picture: Picture,
     pub(super) camera: Option<CameraControl>,
+    /// How the user has chosen to move.
+    pub(super) chosen_motion: Motion,
     pub(super) views: Vec<View>,
+    /// The bookmark to start from.
+    pub(super) start_view: usize,
     pub(super) exposure: AutoExposure,
     pub(super) seen: Seen,
     pub(super) scale: Option<FalseColour>,
@@ -66,6 +77,10 @@ pub struct App {
     pub(super) solo: Option<(usize, Lighting)>,
     pub(super) notice: Option<Notice>,
     pub(super) last_change: String,
+    /// What was asked for and is neither on screen nor refused yet.
+    pub(super) opening: Option<Asked>,
+    /// What the title bar says.
+    pub(super) title: String,
     pub(super) auditor: Auditor,
     pub(super) doctor: Doctor,
     pub(super) files: Files,
@@ -99,7 +114,7 @@ pub struct App {
     /// A message that the user took away, so that it does not come back.
     pub(super) dismissed: Option<String>,
     /// The error of the worker that was shown last.
-    worker_error: Option<String>,
+    pub(super) worker_error: Option<String>,
     /// What a window before this one left, until its scene is on screen.
     pub(super) inherited: Option<Handover>,
     /// Where this one leaves its state.
@@ -138,7 +153,9 @@ impl App {
             history: History::default(),
             picture: Picture::new(viewport.as_ref().map(Viewport::uploader)),
             camera: None,
+            chosen_motion: state.motion,
             views: Vec::new(),
+            start_view: 0,
             exposure: AutoExposure::default(),
             seen: Seen::default(),
             scale: None,
@@ -152,6 +169,8 @@ impl App {
             solo: None,
             notice: None,
             last_change: String::new(),
+            opening: None,
+            title: String::new(),
             auditor: Auditor::default(),
             doctor: Doctor::default(),
             files: Files::new(cc.egui_ctx.clone()),
@@ -230,139 +249,8 @@ impl App {
         })
     }
 
-    /// Takes over what the worker and the helper threads have brought.
-    fn listen(&mut self, ctx: &egui::Context) {
-        let before = std::mem::replace(&mut self.snapshot, self.worker.latest());
-        self.reclaim.later(before);
-        let wake = ctx.clone();
-        let wake = move || wake.request_repaint();
-        let news = self.picture.follow(&self.snapshot, &self.reclaim, wake);
-        if news.mesh {
-            self.adopt_scene();
-        }
-        if news.bases {
-            self.picture.settle_comparison();
-            self.picture.relight(&self.edits.lighting);
-            self.stale.light = true;
-            self.stale.exposure = true;
-        }
-        if !self.snapshot.last_change.is_empty() && (news.bases || news.mesh) {
-            self.last_change.clone_from(&self.snapshot.last_change);
-        }
-        self.follow_microscope(ctx);
-        let time = ctx.input(|i| i.time);
-        self.follow_error(time);
-        self.look_after_device(ctx, time);
-        self.audit(ctx, time);
-        if let Some(prepared) = &self.picture.prepared {
-            let wake = ctx.clone();
-            self.doctor.follow(prepared, move || wake.request_repaint());
-        }
-        for news in self.files.news() {
-            self.file_news(news, time);
-        }
-        if let Some(notice) = &self.notice
-            && !notice.is_error
-        {
-            let left = NOTICE_SECS - (time - notice.since);
-            if left <= 0.0 {
-                self.notice = None;
-            } else {
-                ctx.request_repaint_after_secs(left as f32);
-            }
-        }
-        self.take_screenshot();
-    }
-
-    /// Asks the microscope for what is looked at.
-    fn follow_microscope(&mut self, ctx: &egui::Context) {
-        let Some(prepared) = &self.picture.prepared else { return };
-        let quantity = self.edits.display.quantity;
-        let shown = Shown {
-            prepared,
-            reflectance: &self.picture.reflectance,
-            light: &self.picture.light,
-            light_version: self.picture.light_version,
-            lighting: &self.edits.lighting,
-        };
-        let maps = quantity.is_defect() || self.state.table_open || self.inspected.is_some();
-        let news = self.microscope.follow(&self.snapshot, &shown, self.inspected, maps, ctx);
-        if news && (quantity.is_defect() || quantity.is_row()) {
-            self.stale.light = true;
-        }
-    }
-
-    /// Lets the background check follow the light, and solves on where a goal asks for it.
-    fn audit(&mut self, ctx: &egui::Context, time: f64) {
-        let wake = ctx.clone();
-        let wake = move || wake.request_repaint();
-        let prepared = self.picture.prepared.as_ref();
-        let is_current = prepared.is_some_and(|p| p.mesh_serial == self.snapshot.mesh_serial);
-        let light = Some(&self.picture.light).filter(|l| is_current && !l.irradiance.is_empty());
-        let known = self.auditor.findings.clone();
-        let (next, again) = self.auditor.follow(&self.snapshot, &self.edits.lighting, light, time, wake);
-        let same = match (&known, &self.auditor.findings) {
-            (Some(a), Some(b)) => Arc::ptr_eq(a, b),
-            (a, b) => a.is_none() && b.is_none(),
-        };
-        self.stale.light |= !same && self.edits.display.quantity == Quantity::Error;
-        if let Some(settings) = next {
-            self.worker.set_settings(settings);
-        }
-        if let Some(seconds) = again {
-            ctx.request_repaint_after_secs(seconds as f32);
-        }
-    }
-
-    /// Shows a new error of the worker, and takes it away once the worker has got over it.
-    fn follow_error(&mut self, time: f64) {
-        let shown = self.notice.as_ref().filter(|n| n.is_error).map(|n| n.text.as_str());
-        match self.snapshot.error.as_deref() {
-            Some(error) if shown != Some(error) && self.dismissed.as_deref() != Some(error) => {
-                self.notice = Some(Notice { text: error.to_owned(), is_error: true, since: time });
-                self.worker_error = Some(error.to_owned());
-            }
-            None if self.worker_error.is_some() && shown == self.worker_error.as_deref() => {
-                (self.notice, self.worker_error) = (None, None);
-            }
-            _ => {}
-        }
-    }
-
-    fn file_news(&mut self, news: FileNews, time: f64) {
-        match news {
-            FileNews::Opened(path) => self.open(SceneSource::File(path)),
-            FileNews::SaveAs(kind, path) => self.save_to(kind, path),
-            FileNews::Cancelled => {}
-            FileNews::NoDialog(kind) => {
-                let suggestion = kind.map(|kind| self.suggested_path(kind)).unwrap_or_default();
-                self.path_dialog = Some(PathDialog::new(kind, suggestion));
-            }
-            FileNews::Saved(path) => {
-                if path.extension().is_some_and(|e| e == "toml") {
-                    // What the window wrote itself is no change to load.
-                    self.files.watch(self.scene_shown.as_ref().map(|scene| &scene.source));
-                }
-                let text = format!("Saved {}", path.display());
-                self.notice = Some(Notice { text, is_error: false, since: time });
-            }
-            FileNews::Repaired(path, what) => {
-                let text = format!("Saved {}: {what}", path.display());
-                self.notice = Some(Notice { text, is_error: false, since: time });
-            }
-            FileNews::SaveFailed(text) => {
-                self.notice = Some(Notice { text, is_error: true, since: time });
-            }
-            FileNews::Changed => {
-                if self.state.reload_on_change {
-                    self.reload();
-                }
-            }
-        }
-    }
-
     /// Writes the picture that egui has read back, cut to the view.
-    fn take_screenshot(&mut self) {
+    pub(super) fn take_screenshot(&mut self) {
         let arrived = self.screenshot_arrived.lock().ok().and_then(|mut slot| slot.take());
         if let Some(image) = arrived
             && let Some(path) = self.screenshot.take()
@@ -406,6 +294,9 @@ impl App {
             scroll(ui, "right scroll", |ui| {
                 // Picking opens the panel at the top: nothing above it can grow and push it away.
                 if model.inspected.is_some() {
+                    if model.inspect_fresh {
+                        ui.scroll_to_cursor(Some(egui::Align::TOP));
+                    }
                     panels::section(ui, "Inspect", true, |ui| panels::inspect::show(ui, &model, out));
                 }
                 panels::section(ui, "Solver", true, |ui| panels::solver::show_or_hint(ui, &model, out));
@@ -446,6 +337,8 @@ impl App {
             edits: &self.edits,
             state: &self.state,
             views: &self.views,
+            start_view: self.start_view,
+            view_here: self.view_here(),
             scale: self.scale,
             ev: self.exposure_in_force().ev100,
             fov_deg: self.camera.as_ref().map_or(60.0, |c| c.pose().fov_y_deg),
@@ -527,7 +420,9 @@ impl eframe::App for App {
     }
 
     fn save(&mut self, storage: &mut dyn eframe::Storage) {
-        eframe::set_value(storage, STORAGE_KEY, &self.state);
+        // An orbit and a jump to a patch leave the ground for this once.
+        let state = UiState { motion: self.chosen_motion, ..self.state.clone() };
+        eframe::set_value(storage, STORAGE_KEY, &state);
     }
 
     fn clear_color(&self, _visuals: &egui::Visuals) -> [f32; 4] {

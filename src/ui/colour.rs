@@ -42,17 +42,22 @@ pub(super) fn nearest_kelvin(linear: [f64; 3]) -> Option<f64> {
     if peak <= 0.0 {
         return None;
     }
-    let distance = |kelvin: f64| {
-        let (_, body) = split(black_body(kelvin));
+    // Even steps in the reciprocal, to which the eye's discrimination is about even.
+    let kelvin = |share: f64| 1.0 / (1.0 / MIN_KELVIN + (1.0 / MAX_KELVIN - 1.0 / MIN_KELVIN) * share);
+    let distance = |share: f64| {
+        let (_, body) = split(black_body(kelvin(share)));
         (0..3).map(|b| (body[b] - hue[b]).powi(2)).sum::<f64>()
     };
-    // Steps of a hundredth in the reciprocal, to which the eye's discrimination is about even.
-    let candidates = (0..=200).map(|k| {
-        let share = f64::from(k) / 200.0;
-        1.0 / (1.0 / MIN_KELVIN + (1.0 / MAX_KELVIN - 1.0 / MIN_KELVIN) * share)
-    });
-    let best = candidates.min_by(|a, b| distance(*a).total_cmp(&distance(*b)))?;
-    (distance(best) < 4e-3).then_some(best)
+    let steps = (0..=50).map(|k| f64::from(k) / 50.0);
+    let best = steps.min_by(|a, b| distance(*a).total_cmp(&distance(*b)))?;
+    // Between the neighbours of the best step the distance falls and rises once.
+    let (mut low, mut high) = ((best - 0.02).max(0.0), (best + 0.02).min(1.0));
+    for _ in 0..40 {
+        let third = (high - low) / 3.0;
+        if distance(low + third) < distance(high - third) { high -= third } else { low += third }
+    }
+    let found = 0.5 * (low + high);
+    (distance(found) < 4e-3).then(|| kelvin(found))
 }
 
 #[cfg(test)]
@@ -63,7 +68,7 @@ mod tests {
     fn temperatures_are_found_again() {
         for kelvin in [2000.0, 2700.0, 3000.0, 4000.0, 6500.0] {
             let found = nearest_kelvin(black_body(kelvin).map(|c| 37.0 * c)).expect("on the locus");
-            assert!((found / kelvin - 1.0).abs() < 0.03, "{kelvin}: {found}");
+            assert!((found - kelvin).abs() < 0.5, "{kelvin}: {found}");
         }
         assert_eq!(nearest_kelvin([0.0, 1.0, 0.0]), None);
         assert_eq!(nearest_kelvin([0.0; 3]), None);

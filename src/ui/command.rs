@@ -5,7 +5,7 @@ use super::auditor::Ask;
 use super::camera_control::Motion;
 use super::doctor;
 use super::state::DisplaySettings;
-use crate::scene::{LampState, SceneSource};
+use crate::scene::{LampState, LengthUnit, SceneSource, UpAxis};
 use crate::session::SolveSettings;
 
 /// What is saved to a file.
@@ -95,6 +95,12 @@ pub(super) enum Command {
     Home,
     /// Keep the present view as a bookmark until the scene is closed.
     StoreView,
+    /// Give a bookmark another name.
+    RenameView(usize, String),
+    /// Forget a bookmark that is not the start view.
+    RemoveView(usize),
+    /// The model is in this unit, with this axis upwards: say so in its sidecar and read it again.
+    SetFrame(LengthUnit, UpAxis),
     /// Write lamps, materials and bookmarks as they are to the scene's sidecar.
     SaveSidecar,
     /// Walk or fly.

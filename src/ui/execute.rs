@@ -1,8 +1,8 @@
 //! Carrying commands out: the one place where the window changes.
 
-use super::app::App;
+use super::app::{App, Asked};
 use super::auditor::Ask;
-use super::camera_control::{CameraControl, Pose};
+use super::camera_control::Pose;
 use super::command::{Command, EditKey, SaveKind};
 use super::files::{SaveJob, free_name, pictures_folder};
 use super::outlook::outlook;
@@ -13,7 +13,6 @@ use super::state::{DisplaySettings, Edits, Quantity};
 use super::{camera_control, units};
 use crate::display::{Exposure, white_balance};
 use crate::scene::{LampState, Lighting, SceneSource, View};
-use crate::session::MaterialEdit;
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::Instant;
@@ -70,14 +69,22 @@ impl App {
             Command::ToggleTour => self.toggle_tour(),
             Command::GoToView(index) => self.go_to(index),
             Command::StepView(step) => self.step_view(step),
-            Command::Home => {
-                let start = self.picture.prepared.as_ref().map_or(0, |p| p.scene.start_view);
-                self.go_to(start);
-            }
+            Command::Home => self.go_to(self.start_view),
             Command::StoreView => self.store_view(),
+            Command::RenameView(index, name) => {
+                if let Some(view) = self.views.get_mut(index) {
+                    view.name = name;
+                }
+            }
+            Command::RemoveView(index) => self.remove_view(index),
             Command::SaveSidecar => self.save_sidecar(),
+            Command::SetFrame(unit, up) => {
+                if let Some(SceneSource::File(path)) = self.scene_shown.as_ref().map(|scene| &scene.source) {
+                    self.files.save_frame(path, unit, up);
+                }
+            }
             Command::SetMotion(motion) => {
-                self.state.motion = motion;
+                (self.state.motion, self.chosen_motion) = (motion, motion);
                 self.touring = None;
                 if let Some(camera) = &mut self.camera {
                     camera.set_motion(motion);
@@ -204,6 +211,8 @@ impl App {
     fn replace_edits(&mut self, edits: Edits) {
         let before = std::mem::replace(&mut self.edits, edits);
         if before.lighting != self.edits.lighting {
+            // Whoever asked for one lamp alone says so after this.
+            self.solo = None;
             let start = Instant::now();
             self.picture.relight(&self.edits.lighting);
             let what = self.describe_lamps(&before.lighting);
@@ -213,11 +222,7 @@ impl App {
             self.stale.exposure = true;
         }
         if before.reflectance != self.edits.reflectance {
-            let edits = self.edits.reflectance.iter().enumerate();
-            let edits = edits.filter_map(|(material, value)| {
-                value.map(|reflectance| MaterialEdit { material: material as u32, reflectance })
-            });
-            self.worker.set_materials(edits.collect());
+            self.worker.set_materials(self.edits.materials());
         }
         if before.display != self.edits.display {
             if self.edits.display.quantity == Quantity::Error && before.display.quantity != Quantity::Error {
@@ -231,7 +236,7 @@ impl App {
     }
 
     /// Looks into another patch, or into none; the one before can be gone back to.
-    fn look_into(&mut self, patch: Option<u32>) {
+    pub(super) fn look_into(&mut self, patch: Option<u32>) {
         if patch == self.inspected {
             return;
         }
@@ -319,6 +324,14 @@ impl App {
             self.state.remember(path);
         }
         (self.notice, self.dismissed) = (None, None);
+        let name = match &source {
+            SceneSource::File(path) => path.file_name().map(|n| n.to_string_lossy().into_owned()),
+            SceneSource::Builtin(name) => Some(name.clone()),
+        };
+        let name = name.unwrap_or_default();
+        self.last_change = format!("opening {name}");
+        let known_error = self.snapshot.error.clone();
+        self.opening = Some(Asked { name, serial: self.snapshot.serial, known_error });
         self.worker.open(source);
     }
 
@@ -327,46 +340,6 @@ impl App {
         if let Some(source) = source {
             self.open(source);
         }
-    }
-
-    /// A mesh has come to the screen: of another scene, or of the same one cut differently.
-    pub(super) fn adopt_scene(&mut self) {
-        let Some(prepared) = self.picture.prepared.clone() else { return };
-        self.stale.mesh = true;
-        self.look_into(None);
-        self.microscope.forget();
-        self.touring = None;
-        self.clock.forget();
-        self.seen = Default::default();
-        let scene = Arc::clone(&prepared.scene);
-        if self.scene_shown.as_ref().is_some_and(|shown| Arc::ptr_eq(shown, &scene)) {
-            return;
-        }
-        let reloaded = self.scene_shown.as_ref().is_some_and(|shown| shown.source == scene.source);
-        self.files.watch(Some(&scene.source));
-        self.edits = Edits::of_scene(&scene, DisplaySettings { split: false, ..self.edits.display });
-        self.history.clear();
-        self.solo = None;
-        self.views.clone_from(&scene.views);
-        self.scene_shown = Some(Arc::clone(&scene));
-        self.exposure = Default::default();
-        if reloaded && self.camera.is_some() {
-            return;
-        }
-        let up = scene.up.vector();
-        let size = prepared.bounds.size();
-        let start = scene.views.get(scene.start_view).or(scene.views.first());
-        self.camera = start.map(|view| {
-            CameraControl::new(
-                view,
-                up,
-                size.dot(up),
-                size.length(),
-                self.state.motion,
-                self.state.eye_height,
-            )
-        });
-        self.inherit();
     }
 
     /// Side by side and back; the first time the present light becomes A.
@@ -419,6 +392,30 @@ impl App {
             fov_y_deg: pose.fov_y_deg,
         });
         self.view_index = Some(self.views.len() - 1);
+    }
+
+    fn remove_view(&mut self, index: usize) {
+        if index >= self.views.len() || index == self.start_view {
+            return;
+        }
+        self.touring = None;
+        self.views.remove(index);
+        // Those after it move up.
+        let moved = |k: usize| k - usize::from(k > index);
+        self.start_view -= usize::from(self.start_view > index);
+        self.view_index = self.view_index.filter(|&k| k != index).map(moved);
+    }
+
+    /// The bookmark that the camera stands at.
+    pub(super) fn view_here(&self) -> Option<usize> {
+        let camera = self.camera.as_ref()?;
+        let pose = camera.pose();
+        let is_here = |view: &View| {
+            let there = camera.pose_of(view);
+            let turned = (there.yaw - pose.yaw).sin().hypot(there.pitch - pose.pitch);
+            there.eye.distance(pose.eye) < 1e-3 && turned < 1e-3 && (there.yaw - pose.yaw).cos() > 0.0
+        };
+        self.views.iter().position(is_here)
     }
 
     /// Glides to where a patch is well seen.
@@ -514,7 +511,8 @@ impl App {
         let Some(scene) = &self.scene_shown else { return };
         let SceneSource::File(path) = &scene.source else { return };
         let edits = self.edits.clone();
-        self.files.save_sidecar(path, Arc::clone(scene), edits, self.views.clone());
+        let bookmarks = (self.views.clone(), self.start_view);
+        self.files.save_sidecar(path, Arc::clone(scene), edits, bookmarks);
     }
 
     /// Tells the user something that went wrong.

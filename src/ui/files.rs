@@ -10,7 +10,9 @@ use crate::outputs::{
     LitScene, StillKind, StillLight, save_lit_mesh, save_patch_table, save_repaired, save_still,
 };
 use crate::render::{Camera, StillOptions, render_still};
-use crate::scene::{Lighting, Scene, SceneSource, View, sidecar_path, write_sidecar};
+use crate::scene::{
+    LengthUnit, Lighting, Scene, SceneSource, UpAxis, View, sidecar_path, write_frame, write_sidecar,
+};
 use crate::solver::PatchLight;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -37,6 +39,8 @@ pub(super) enum FileNews {
     Saved(PathBuf),
     /// A repaired copy was saved, and what was mended.
     Repaired(PathBuf, String),
+    /// The sidecar says another unit or up axis.
+    Framed(PathBuf),
     /// Not saved, and why.
     SaveFailed(String),
     /// A watched file changed.
@@ -158,11 +162,17 @@ impl Files {
     }
 
     /// Writes lamps, repainted materials and bookmarks to the sidecar of the scene in `path`.
-    pub(super) fn save_sidecar(&self, path: &Path, scene: Arc<Scene>, edits: Edits, views: Vec<View>) {
+    pub(super) fn save_sidecar(
+        &self,
+        path: &Path,
+        scene: Arc<Scene>,
+        edits: Edits,
+        (views, start_view): (Vec<View>, usize),
+    ) {
         let sidecar = sidecar_path(path);
         self.spawn("save sidecar", move || {
             let mut scene = Arc::unwrap_or_clone(scene);
-            scene.views = views;
+            (scene.views, scene.start_view) = (views, start_view);
             let mut repainted = Vec::new();
             for (index, value) in edits.reflectance.iter().enumerate() {
                 if let (Some(reflectance), Some(material)) = (value, scene.materials.get_mut(index)) {
@@ -174,6 +184,15 @@ impl Files {
                 Ok(()) => FileNews::Saved(sidecar),
                 Err(error) => FileNews::SaveFailed(error.to_string()),
             }
+        });
+    }
+
+    /// Writes the unit and the up axis of the model in `path` to its sidecar.
+    pub(super) fn save_frame(&self, path: &Path, unit: LengthUnit, up: UpAxis) {
+        let sidecar = sidecar_path(path);
+        self.spawn("save unit", move || match write_frame(&sidecar, unit, up) {
+            Ok(()) => FileNews::Framed(sidecar),
+            Err(error) => FileNews::SaveFailed(error.to_string()),
         });
     }
 

@@ -112,7 +112,7 @@ pub(super) fn commands(ctx: &Context, model: &Model<'_>, help_open: bool, out: &
         (Key::B, Command::StoreView),
         (Key::OpenBracket, Command::StepView(-1)),
         (Key::CloseBracket, Command::StepView(1)),
-        (Key::P, Command::Pause(!model.snapshot.paused)),
+        (Key::P, super::panels::solver::pause(model.snapshot).2),
         (Key::R, Command::ToggleRow),
         (Key::J, Command::ToggleTable),
         (Key::K, Command::Doctor(Ask::Toggle)),

@@ -1,7 +1,7 @@
 //! The scale of a false-colour picture: a bar with round values and their unit.
 
 use super::state::Quantity;
-use super::theme;
+use super::{theme, units};
 use crate::display::FalseColour;
 use egui::{Align2, Color32, FontId, Pos2, Rect, Vec2};
 
@@ -49,7 +49,9 @@ pub(super) fn show(ui: &egui::Ui, view: Rect, quantity: Quantity, scale: &FalseC
         let y = bar.bottom() - tick.position as f32 * BAR.y;
         painter.hline(bar.right()..=bar.right() + 4.0, y, (1.0, theme::TEXT));
         let at = Pos2::new(ground.right() - PAD, y);
-        painter.text(at, Align2::RIGHT_CENTER, tick.label, font.clone(), theme::TEXT);
+        // Thousands apart, as in the panels.
+        let label = tick.label.parse().map_or(tick.label, units::grouped);
+        painter.text(at, Align2::RIGHT_CENTER, label, font.clone(), theme::TEXT);
     }
 }
 

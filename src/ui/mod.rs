@@ -3,6 +3,7 @@
 //! Panels, menus, keys and clicks make commands; one function carries them out. The solver is
 //! behind [`Worker`]: nothing here waits for it.
 
+mod adoption;
 mod app;
 mod auditor;
 mod background;
@@ -21,6 +22,7 @@ mod input;
 mod legend;
 mod marks;
 mod microscope;
+mod news;
 mod outline;
 mod outlook;
 mod overlay;

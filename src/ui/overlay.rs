@@ -119,8 +119,8 @@ pub(super) fn readout(ui: &egui::Ui, view: Rect, model: &Model<'_>, pick: &Pick,
     let (Some(irradiance), Some(radiosity)) = (light.irradiance.get(id), light.radiosity.get(id)) else {
         return;
     };
-    let lux = units::digits(illuminance(irradiance.map(f64::from)));
-    let cd = units::digits(luminance(*radiosity));
+    let lux = units::light(illuminance(irradiance.map(f64::from)));
+    let cd = units::light(luminance(*radiosity));
     let rho = model.reflectance.get(id).copied().unwrap_or_default().map(f64::from);
     let material = scene.materials.get(patch.material as usize).map_or("", |m| m.name.as_str());
     let lamp = patch.luminaire.and_then(|l| scene.luminaires.get(l as usize));

@@ -12,7 +12,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 pub(super) struct Handover {
     scene: Option<Arc<Scene>>,
     edits: Edits,
-    views: Vec<View>,
+    views: (Vec<View>, usize),
     pose: Option<Pose>,
     /// Why there is a next one.
     reason: String,
@@ -110,7 +110,7 @@ impl App {
         legacy.lock().unwrap_or_else(PoisonError::into_inner).get_or_insert_with(|| Handover {
             scene: self.scene_shown.clone(),
             edits: self.edits.clone(),
-            views: self.views.clone(),
+            views: (self.views.clone(), self.start_view),
             pose: self.camera.as_ref().map(|camera| camera.pose()),
             reason: reason.to_owned(),
         });
@@ -127,7 +127,7 @@ impl App {
             return;
         }
         self.edits = handover.edits;
-        self.views = handover.views;
+        (self.views, self.start_view) = handover.views;
         if let (Some(camera), Some(pose)) = (&mut self.camera, handover.pose) {
             camera.stand_at(pose);
         }

@@ -3,6 +3,7 @@
 use super::camera_control::Motion;
 use crate::display::ToneMap;
 use crate::scene::{Lighting, Scene};
+use crate::session::MaterialEdit;
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
 
@@ -340,6 +341,15 @@ impl Edits {
     /// The scene as it comes.
     pub fn of_scene(scene: &Scene, display: DisplaySettings) -> Self {
         Self { lighting: scene.lighting(), reflectance: vec![None; scene.materials.len()], display }
+    }
+
+    /// What the solver has to know of the materials.
+    pub(super) fn materials(&self) -> Vec<MaterialEdit> {
+        let edits = self.reflectance.iter().enumerate();
+        let edits = edits.filter_map(|(material, value)| {
+            value.map(|reflectance| MaterialEdit { material: material as u32, reflectance })
+        });
+        edits.collect()
     }
 }
 

@@ -16,6 +16,10 @@ pub(super) const DONE: Color32 = Color32::from_rgb(140, 190, 140);
 pub(super) const TEXT: Color32 = Color32::from_gray(216);
 /// Text beside it.
 pub(super) const TEXT_WEAK: Color32 = Color32::from_gray(150);
+/// Text that stands where something will come.
+pub(super) const TEXT_FAINT: Color32 = Color32::from_gray(104);
+/// Lines of plots.
+pub(super) const GRID: Color32 = Color32::from_gray(78);
 /// Panels.
 pub(super) const PANEL: Color32 = Color32::from_gray(31);
 /// Behind the picture.
@@ -94,6 +98,13 @@ pub(super) fn overlay() -> egui::Frame {
         .fill(Color32::from_black_alpha(178))
         .corner_radius(CornerRadius::same(5))
         .inner_margin(Margin::symmetric(9, 6))
+}
+
+/// Buttons inside a popup that is no list of items look like buttons again.
+pub(super) fn undo_menu_style(ui: &mut egui::Ui) {
+    let style = ui.ctx().style_of(egui::Theme::Dark);
+    ui.visuals_mut().widgets = style.visuals.widgets.clone();
+    ui.spacing_mut().button_padding = style.spacing.button_padding;
 }
 
 /// Small capitals above a group of controls.

@@ -22,12 +22,25 @@ pub(super) fn digits(value: f64) -> String {
     format!("{value:.*}", (2 - exponent).max(0) as usize)
 }
 
+/// Lux or cd/m² to three digits, and none that no meter shows: in thousandths below one.
+pub(super) fn light(value: f64) -> String {
+    let size = value.abs();
+    if size == 0.0 || size >= 1.0 || !size.is_finite() {
+        digits(value)
+    } else if size < 0.001 {
+        "< 0.001".to_owned()
+    } else {
+        format!("{value:.3}")
+    }
+}
+
 /// A count with commas between thousands.
 pub(super) fn count(value: usize) -> String {
     grouped(value as i64)
 }
 
-fn grouped(value: i64) -> String {
+/// A whole number with commas between thousands.
+pub(super) fn grouped(value: i64) -> String {
     let digits = value.unsigned_abs().to_string();
     let mut text = String::new();
     if value < 0 {
@@ -88,6 +101,10 @@ mod tests {
             assert_eq!(digits(value), text);
         }
         assert_eq!(count(20_312), "20,312");
+        let lux = [(0.0, "0"), (5e-13, "< 0.001"), (0.012_34, "0.012"), (0.857, "0.857"), (412.4, "412")];
+        for (value, text) in lux {
+            assert_eq!(light(value), text);
+        }
         assert_eq!(count(7), "7");
     }
 

@@ -101,6 +101,7 @@ fn the_display_panel_chooses_what_is_shown() {
     click(&mut harness, "Show");
     click(&mut harness, "Illuminance");
     assert_eq!(harness.state().edits().display.quantity, Quantity::Illuminance);
+    reveal(&mut harness, "Store as A");
     click(&mut harness, "Pin range");
     let range = harness.state().edits().display.range.expect("pinned");
     assert!(range[0] < range[1]);
@@ -237,6 +238,11 @@ fn pause_resume_and_stop_reach_the_solver() {
     press(&mut harness, Key::P);
     click(&mut harness, "Stop");
     assert_eq!(worker.requests(), ["pause", "resume", "resume", "stop"]);
+    // What was stopped can be taken up again.
+    worker.publish(|s| (s.stage, s.paused) = (Stage::Stopped, false));
+    harness.run_steps(2);
+    click(&mut harness, "Solve");
+    assert_eq!(worker.requests().last().map(String::as_str), Some("settings Lines Count(700)"));
 }
 
 #[test]
@@ -384,4 +390,84 @@ fn at_rest_nothing_is_drawn_again() {
     harness.run_steps(60);
     let repaint = harness.output().viewport_output.values().map(|v| v.repaint_delay).min();
     assert!(repaint.is_none_or(|delay| delay.as_secs_f64() > 0.5), "{repaint:?}");
+}
+
+#[test]
+fn what_the_worker_said_once_gives_way_to_what_is_switched() {
+    let worker = Counting::showing(solved());
+    let mut harness = window(&worker, false);
+    worker.publish(|s| {
+        s.last_change = "materials: 0 rows, 3 sweeps, 40 ms".to_owned();
+        s.stage = Stage::Rows;
+    });
+    harness.run_steps(3);
+    assert!(harness.query_by_label_contains("materials: 0 rows").is_some());
+    press(&mut harness, Key::Num1);
+    // More light of the same solve comes: it says nothing new.
+    worker.publish(|s| s.bases = s.bases.as_deref().cloned().map(std::sync::Arc::new));
+    harness.run_steps(3);
+    assert!(harness.query_by_label_contains("Ceiling lamp off").is_some());
+    assert!(harness.query_by_label_contains("materials: 0 rows").is_none());
+}
+
+#[test]
+fn an_error_of_before_is_not_told_of_the_file_that_is_being_opened() {
+    let worker = Counting::showing(solved());
+    let mut harness = window(&worker, false);
+    worker.publish(|s| s.error = Some("broken.obj: no faces".to_owned()));
+    harness.run_steps(3);
+    assert!(harness.query_by_label_contains("broken.obj").is_some());
+    harness.key_press(Key::F5);
+    harness.run_steps(3);
+    assert!(harness.query_by_label_contains("broken.obj").is_none(), "another request is on its way");
+    worker.publish(|s| s.stage = Stage::Loading);
+    harness.run_steps(3);
+    assert!(harness.query_by_label_contains("broken.obj").is_none());
+    // The same file fails in the same way: that is news.
+    worker.publish(|s| s.stage = Stage::Converged);
+    harness.run_steps(3);
+    assert!(harness.query_by_label_contains("broken.obj").is_some());
+}
+
+#[test]
+fn a_bookmark_is_renamed_and_removed_but_not_the_start_view() {
+    let mut harness = window(&Counting::showing(solved()), false);
+    click(&mut harness, "Store view");
+    let open = |harness: &mut Harness<'_, App>, name: &str| {
+        harness.get_by_label(name).click_secondary();
+        harness.run_steps(3);
+    };
+    open(&mut harness, "View 2");
+    harness.get_by_label("Name of the bookmark").focus();
+    harness.run_steps(2);
+    harness.get_by_label("Name of the bookmark").type_text(" by the door");
+    harness.run_steps(2);
+    click(&mut harness, "Rename");
+    assert!(harness.query_by_label("View 2 by the door").is_some());
+    open(&mut harness, "Door");
+    click(&mut harness, "Remove");
+    harness.key_press(Key::Escape);
+    harness.run_steps(3);
+    assert!(harness.query_by_label("Door").is_some(), "the start view stays");
+    open(&mut harness, "View 2 by the door");
+    click(&mut harness, "Remove");
+    assert!(harness.query_by_label("View 2 by the door").is_none());
+}
+
+#[test]
+fn the_upper_end_of_a_range_is_pinned_by_setting_it() {
+    let mut harness = window(&Counting::showing(solved()), false);
+    press(&mut harness, Key::L);
+    assert_eq!(harness.state().edits().display.range, None);
+    reveal(&mut harness, "Patch borders");
+    let end = harness.get_by_label("Upper end");
+    end.focus();
+    harness.run_steps(2);
+    harness.key_press_modifiers(Modifiers::COMMAND, Key::A);
+    harness.get_by_label("Upper end").type_text("750");
+    harness.run_steps(2);
+    harness.key_press(Key::Enter);
+    harness.run_steps(3);
+    let range = harness.state().edits().display.range.expect("pinned");
+    assert!((range[1] - 750.0).abs() < 1.0, "{range:?}");
 }

@@ -17,12 +17,14 @@ pub(in crate::ui) fn show(ui: &mut egui::Ui, model: &Model<'_>, out: &mut Comman
         empty(ui, "Open a scene to see how exact its light is.");
         return;
     }
+    ui.spacing_mut().item_spacing.y = 3.0;
     headline(ui, model, out);
-    if let Some(budget) = &auditor.budget {
-        spread(ui, budget, model, out);
-    }
+    spread(ui, auditor.budget.as_ref(), model, out);
     bars(ui, auditor.budget.as_ref(), model);
+    goal(ui, model, out);
     error_chart::show(ui, model, out);
+    // What changes its height stands below all that one clicks.
+    verdict(ui, model);
     if let Some(told) = auditor.foresight() {
         ui.label(RichText::new(told).small().color(theme::TEXT));
     }
@@ -30,7 +32,6 @@ pub(in crate::ui) fn show(ui: &mut egui::Ui, model: &Model<'_>, out: &mut Comman
         let text = format!("Next seconds are best spent on {advice}.");
         ui.label(RichText::new(text).small().color(theme::TEXT_WEAK));
     }
-    goal(ui, model, out);
 }
 
 /// The error in one number, or why there is none yet, and the switch.
@@ -78,37 +79,50 @@ const SHARES: [Color32; LEVELS.len() + 1] = [
     Color32::from_rgb(176, 84, 66),
 ];
 
-/// How the error is spread over the area, where most of it sits, and the map.
-fn spread(ui: &mut egui::Ui, budget: &ErrorBudget, model: &Model<'_>, out: &mut Commands) {
-    let spread = &budget.spread;
-    let told = format!("Half the area is off by less than {}", percent(spread.median.value));
-    let tip = format!(
-        "Median over the area of what the illuminance as shown is off by, of the illuminance at each place itself \
-         (at least {:.0} % of the mean).\n95 %: {} to {}. The noise of the rays counts as error here.",
-        100.0 * DARKEST,
-        percent(spread.median.low),
-        percent(spread.median.high)
-    );
-    ui.label(RichText::new(told).color(theme::TEXT)).on_hover_text(tip);
+/// How the error is spread over the area, where most of it sits, and the map. Without a check as high as
+/// with one, so that nothing moves when it comes.
+fn spread(ui: &mut egui::Ui, budget: Option<&ErrorBudget>, model: &Model<'_>, out: &mut Commands) {
+    let spread = budget.map(|budget| &budget.spread);
+    let told = spread.map_or("-".to_owned(), |s| percent(s.median.value));
+    let (colour, weak) = if spread.is_some() {
+        (theme::TEXT, theme::TEXT_WEAK)
+    } else {
+        (theme::TEXT_FAINT, theme::TEXT_FAINT)
+    };
+    let label = ui.label(RichText::new(format!("Half the area is off by less than {told}")).color(colour));
+    if let Some(spread) = spread {
+        label.on_hover_text(format!(
+            "Median over the area of what the illuminance as shown is off by, of the illuminance at each place itself \
+             (at least {:.0} % of the mean).\n95 %: {} to {}. The noise of the rays counts as error here.",
+            100.0 * DARKEST,
+            percent(spread.median.low),
+            percent(spread.median.high)
+        ));
+    }
 
     let (bar, response) = ui.allocate_exact_size(vec2(ui.available_width(), 8.0), Sense::hover());
-    let ends = spread.within.map(|w| w.value).into_iter().chain([1.0]);
-    let mut from = 0.0;
-    for (to, colour) in ends.zip(SHARES) {
-        let x = |share: f64| bar.left() + bar.width() * share as f32;
-        let part = egui::Rect::from_x_y_ranges(x(from)..=x(to), bar.y_range());
-        ui.painter().rect_filled(part, 0.0, colour);
-        from = to;
-    }
+    ui.painter().rect_filled(bar, 0.0, Color32::from_gray(44));
     let share = |s: f64| format!("{:.0} %", 100.0 * s);
-    let lines = spread.within.iter().zip(LEVELS).map(|(w, level)| {
-        let [value, low, high] = [w.value, w.low, w.high].map(share);
-        format!("{value} of the area within {} of its light (95 %: {low} to {high})", share(level))
-    });
-    response.on_hover_text(lines.collect::<Vec<_>>().join("\n"));
-    let [one, five, ten] = spread.within.map(|w| share(w.value));
+    let mut shares = LEVELS.map(|_| "-".to_owned());
+    if let Some(spread) = spread {
+        let ends = spread.within.map(|w| w.value).into_iter().chain([1.0]);
+        let mut from = 0.0;
+        for (to, colour) in ends.zip(SHARES) {
+            let x = |share: f64| bar.left() + bar.width() * share as f32;
+            let part = egui::Rect::from_x_y_ranges(x(from)..=x(to), bar.y_range());
+            ui.painter().rect_filled(part, 0.0, colour);
+            from = to;
+        }
+        let lines = spread.within.iter().zip(LEVELS).map(|(w, level)| {
+            let [value, low, high] = [w.value, w.low, w.high].map(share);
+            format!("{value} of the area within {} of its light (95 %: {low} to {high})", share(level))
+        });
+        response.on_hover_text(lines.collect::<Vec<_>>().join("\n"));
+        shares = spread.within.map(|w| share(w.value));
+    }
+    let [one, five, ten] = shares;
     let text = format!("area within 1 %: {one}, 5 %: {five}, 10 %: {ten}");
-    ui.label(RichText::new(text).small().color(theme::TEXT_WEAK));
+    ui.label(RichText::new(text).small().color(weak));
 
     ui.horizontal(|ui| {
         ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
@@ -120,7 +134,8 @@ fn spread(ui: &mut egui::Ui, budget: &ErrorBudget, model: &Model<'_>, out: &mut 
                 let quantity = if shown { Quantity::Picture } else { Quantity::Error };
                 out.push(Command::SetDisplay(display.showing(quantity)));
             }
-            let Some(most) = spread.dominant.filter(|d| d.share > 0.3 && d.share > 3.0 * d.area) else {
+            let dominant = spread.and_then(|spread| spread.dominant);
+            let Some(most) = dominant.filter(|d| d.share > 0.3 && d.share > 3.0 * d.area) else {
                 return;
             };
             let button = ui.small_button("Go").on_hover_text("To the patch of it that weighs most");
@@ -216,7 +231,8 @@ fn goal(ui: &mut egui::Ui, model: &Model<'_>, out: &mut Commands) {
             let goal = if by_time { Goal::Seconds(new) } else { Goal::Error(new / 100.0) };
             out.push(Command::Accuracy(Ask::SetGoal(goal)));
         }
-        let ready = auditor.budget.is_some() && !auditor.is_reaching();
+        let is_settled = model.snapshot.stage == Stage::Converged;
+        let ready = auditor.budget.is_some() && !auditor.is_reaching() && is_settled;
         let button = ui.add_enabled(ready, egui::Button::new("Reach it"));
         let tip = "Choose patches and lines, solve, check, and refine until it is reached; \
                    every step refines the light of the last";
@@ -224,6 +240,11 @@ fn goal(ui: &mut egui::Ui, model: &Model<'_>, out: &mut Commands) {
             out.push(Command::Accuracy(Ask::Reach));
         }
     });
+}
+
+/// How far the way to the goal has come, or how it ended.
+fn verdict(ui: &mut egui::Ui, model: &Model<'_>) {
+    let auditor = model.auditor;
     let told = match (auditor.is_reaching(), auditor.verdict.as_str()) {
         (true, _) if auditor.is_busy() => "On the way: checking",
         (true, _) => "On the way: solving",

@@ -140,9 +140,11 @@ fn range(ui: &mut egui::Ui, model: &Model<'_>, new: &mut crate::ui::state::Displ
         for (end, name) in ends.iter_mut().zip(["Lower end", "Upper end"]) {
             let drag =
                 DragValue::new(end).speed(speed).custom_formatter(formatted).suffix(format!(" {unit}"));
-            ui.name_inputs(name, |ui| ui.add_enabled(pinned, drag));
+            // egui would call it after its unit.
+            ui.add(drag).on_hover_text("Drag or type: this pins the range").accessible_name(name);
         }
-        if pinned && ends != in_force && ends[0] < ends[1] {
+        // Whoever sets an end wants it to stay.
+        if ends != in_force && ends[0] < ends[1] {
             new.range = Some(ends);
         }
     });

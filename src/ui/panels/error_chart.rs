@@ -7,7 +7,8 @@ use crate::ui::runs::{Finished, nearest};
 use crate::ui::{theme, units};
 use egui::{Align2, Color32, RichText, vec2};
 use egui_plot::{
-    GridMark, HoverPosition, Line, LineStyle, MarkerShape, Plot, PlotPoint, PlotPoints, Points, Text,
+    AxisHints, GridMark, HoverPosition, Line, LineStyle, MarkerShape, Plot, PlotPoint, PlotPoints, Points,
+    Text,
 };
 use std::ops::RangeInclusive;
 
@@ -15,6 +16,8 @@ use std::ops::RangeInclusive;
 const ELSEWHERE: Color32 = Color32::from_gray(96);
 /// Where a solve on its way stands before there is a curve of two points.
 const DOT: f32 = 3.5;
+/// Height of the chart, and of the place kept for it, points.
+const HEIGHT: f32 = 132.0;
 
 /// Shows the chart, once there is anything to show.
 pub(super) fn show(ui: &mut egui::Ui, model: &Model<'_>, out: &mut Commands) {
@@ -40,14 +43,34 @@ pub(super) fn show(ui: &mut egui::Ui, model: &Model<'_>, out: &mut Commands) {
     };
     let elsewhere: Vec<&Finished> =
         runs.finished.iter().filter(|f| !f.is_here && f.budget.is_some()).collect();
+    ui.add_space(2.0);
     if known.is_empty() && live.is_empty() && elsewhere.is_empty() {
+        // Its place is kept, so that nothing moves when it comes.
+        let (place, _) = ui.allocate_exact_size(vec2(ui.available_width(), HEIGHT), egui::Sense::hover());
+        ui.painter().rect_filled(place, 2.0, ui.visuals().extreme_bg_color);
+        let font = egui::TextStyle::Small.resolve(ui.style());
+        ui.painter().text(
+            place.center(),
+            Align2::CENTER_CENTER,
+            "Error against seconds",
+            font,
+            theme::TEXT_FAINT,
+        );
         return;
     }
     let foreseen = logarithms(&auditor.curve);
-    ui.add_space(4.0);
+    let middle = middle(
+        [&known, &live, &foreseen]
+            .into_iter()
+            .flatten()
+            .copied()
+            .chain(runs.finished.iter().flat_map(|run| logarithms(&run.curve(0.0)))),
+    );
     let current = runs.last().and_then(place);
     let response = Plot::new("error against seconds")
-        .height(132.0)
+        .height(HEIGHT)
+        .show_crosshair(false)
+        .grid_color(theme::GRID)
         .allow_drag(false)
         .allow_zoom(false)
         .allow_scroll(false)
@@ -56,8 +79,8 @@ pub(super) fn show(ui: &mut egui::Ui, model: &Model<'_>, out: &mut Commands) {
         .set_margin_fraction(vec2(0.08, 0.12))
         .x_grid_spacer(|axis| marks(axis.bounds))
         .y_grid_spacer(|axis| marks(axis.bounds))
-        .x_axis_formatter(|mark, shown| label(&mark, shown, "s"))
-        .y_axis_formatter(|mark, shown| label(&mark, shown, "%"))
+        .custom_x_axes(vec![axis(AxisHints::new_x(), 34.0, "s")])
+        .custom_y_axes(vec![axis(AxisHints::new_y(), 14.0, "%").min_thickness(38.0)])
         .label_formatter(|hover| match hover {
             HoverPosition::NearDataPoint { position, .. } => {
                 let found = nearest(runs, [position.x, position.y])?;
@@ -82,9 +105,7 @@ pub(super) fn show(ui: &mut egui::Ui, model: &Model<'_>, out: &mut Commands) {
                 // One label a scene, at its latest solve.
                 if elsewhere[k + 1..].iter().all(|later| later.scene != run.scene) {
                     let name = RichText::new(&run.scene).size(10.0);
-                    // Below, to the left and to the right in turn: solves of small scenes lie close together.
-                    let (aside, anchor) =
-                        if k % 2 == 0 { (-0.04, Align2::RIGHT_TOP) } else { (0.04, Align2::LEFT_TOP) };
+                    let (aside, anchor) = beside(at, middle, k);
                     let text =
                         Text::new("elsewhere", PlotPoint::new(at[0] + aside, at[1]), name).anchor(anchor);
                     plot.text(text.color(ELSEWHERE).allow_hover(false));
@@ -129,6 +150,23 @@ pub(super) fn show(ui: &mut egui::Ui, model: &Model<'_>, out: &mut Commands) {
     }
 }
 
+/// Where the name of a solve stands: to the side of its mark that faces the middle of the chart, where it is
+/// not cut; above and below in turn, since solves of small scenes lie close together.
+fn beside(at: [f64; 2], middle: f64, index: usize) -> (f64, Align2) {
+    match (at[0] < middle, index.is_multiple_of(2)) {
+        (true, true) => (0.05, Align2::LEFT_BOTTOM),
+        (true, false) => (0.05, Align2::LEFT_TOP),
+        (false, true) => (-0.05, Align2::RIGHT_BOTTOM),
+        (false, false) => (-0.05, Align2::RIGHT_TOP),
+    }
+}
+
+/// Half-way between the first and the last of the points that a chart shows.
+fn middle(points: impl Iterator<Item = [f64; 2]>) -> f64 {
+    let [low, high] = points.fold([f64::INFINITY, f64::NEG_INFINITY], |[l, h], p| [l.min(p[0]), h.max(p[0])]);
+    0.5 * (low + high)
+}
+
 /// Marks at 1, 2 and 5 of each decade of the part of a logarithmic axis that is shown.
 fn marks((low, high): (f64, f64)) -> Vec<GridMark> {
     if !(low.is_finite() && high.is_finite() && high - low < 40.0) {
@@ -144,6 +182,15 @@ fn marks((low, high): (f64, f64)) -> Vec<GridMark> {
         })
         .filter(|mark| (low..=high).contains(&mark.value))
         .collect()
+}
+
+/// An axis whose labels are there or not, never half: from `apart` points of a decade on.
+fn axis(hints: AxisHints<'static>, apart: f32, unit: &'static str) -> AxisHints<'static> {
+    hints
+        .label_spacing(egui::Rangef::new(apart, apart + 0.5))
+        .tick_label_color(theme::TEXT_WEAK)
+        .tick_label_font(egui::FontId::proportional(11.0))
+        .formatter(move |mark, shown| label(&mark, shown, unit))
 }
 
 /// The number at a mark; between decades only where there is room.
@@ -175,6 +222,15 @@ fn describe(found: &Finished) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn names_stand_on_the_inner_side_of_their_marks() {
+        let middle = middle([[0.0, 1.0], [-1.0, 2.0], [3.0, 0.0]].into_iter());
+        assert_eq!(middle, 1.0);
+        assert!(beside([-1.0, 0.0], middle, 0).0 > 0.0, "to the right of the leftmost");
+        assert!(beside([3.0, 0.0], middle, 1).0 < 0.0, "to the left of the rightmost");
+        assert_ne!(beside([0.0, 0.0], middle, 0).1, beside([0.0, 0.0], middle, 1).1);
+    }
 
     #[test]
     fn marks_are_labelled_where_there_is_room() {

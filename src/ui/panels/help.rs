@@ -55,14 +55,19 @@ const KEYS: [(&str, &[(&str, &str)]); 4] = [
             ("F6", "to the panels by keyboard; Esc leaves"),
             ("Ctrl-O, F5", "open a file, load it again"),
             ("F12, Shift-F12", "save a picture, save radiance (EXR)"),
-            ("Ctrl-Z, Ctrl-Shift-Z", "undo, redo"),
+            ("Ctrl-Z, Ctrl-Y", "undo, redo"),
+            ("Esc", "leaves a tour, a patch or this list"),
+            ("Ctrl-Q", "quit"),
             ("F1", "this list"),
         ],
     ),
 ];
 
 /// Width in which no line of either column is cut, points.
-const WIDTH: f32 = 720.0;
+const WIDTH: f32 = 736.0;
+
+/// Widths of the longest keys of either column, points.
+const KEY_WIDTHS: [f32; 2] = [104.0, 82.0];
 
 /// Shows the list.
 pub(in crate::ui) fn show(ui: &egui::Ui, out: &mut Commands) {
@@ -79,9 +84,11 @@ pub(in crate::ui) fn show(ui: &egui::Ui, out: &mut Commands) {
         .show(ui.ctx(), |ui| {
             ui.set_width(WIDTH.min(screen.x - 60.0));
             ui.columns(2, |columns| {
-                for (column, groups) in columns.iter_mut().zip([&KEYS[..2], &KEYS[2..]]) {
+                for ((column, groups), width) in
+                    columns.iter_mut().zip([&KEYS[..2], &KEYS[2..]]).zip(KEY_WIDTHS)
+                {
                     for group in groups {
-                        keys_of(column, group);
+                        keys_of(column, group, width);
                     }
                 }
             });
@@ -91,9 +98,10 @@ pub(in crate::ui) fn show(ui: &egui::Ui, out: &mut Commands) {
     }
 }
 
-fn keys_of(ui: &mut egui::Ui, (title, keys): &(&str, &[(&str, &str)])) {
+fn keys_of(ui: &mut egui::Ui, (title, keys): &(&str, &[(&str, &str)]), width: f32) {
     theme::group_title(ui, title);
-    Grid::new(title).num_columns(2).spacing([14.0, 1.0]).show(ui, |ui| {
+    // One width for the keys of all groups, so that their meanings stand in line.
+    Grid::new(title).num_columns(2).min_col_width(width).spacing([14.0, 1.0]).show(ui, |ui| {
         for (key, meaning) in *keys {
             ui.label(RichText::new(*key).color(theme::ACCENT));
             ui.label(*meaning);

@@ -14,9 +14,6 @@ pub(in crate::ui) fn show(ui: &mut egui::Ui, model: &Model<'_>, out: &mut Comman
         empty(ui, "No scene is open.");
         return;
     };
-    if model.inspect_fresh {
-        ui.scroll_to_cursor(Some(egui::Align::TOP));
-    }
     let Some((id, patch)) = model.inspected.and_then(|id| Some((id, mesh.patches.get(id as usize)?))) else {
         empty(ui, "Ctrl-click a surface to look into its patch.");
         if ui.button("Table of patches").on_hover_text("Those that stand out first (J)").clicked() {
@@ -66,8 +63,8 @@ fn headline(ui: &mut egui::Ui, model: &Model<'_>, scene: &Scene, id: u32, patch:
     let index = id as usize;
     let irradiance = model.light.irradiance.get(index).copied().unwrap_or_default();
     let radiosity = model.light.radiosity.get(index).copied().unwrap_or_default();
-    theme::row(ui, "Illuminance", format!("{} lx", units::digits(illuminance(irradiance.map(f64::from)))));
-    theme::row(ui, "Luminance", format!("{} cd/m²", units::digits(luminance(radiosity))));
+    theme::row(ui, "Illuminance", format!("{} lx", units::light(illuminance(irradiance.map(f64::from)))));
+    theme::row(ui, "Luminance", format!("{} cd/m²", units::light(luminance(radiosity))));
     let object = model.mesh.and_then(|m| m.regions.get(patch.region as usize)).map(|r| r.object as usize);
     let name = object.and_then(|o| scene.objects.get(o)).map_or("-", String::as_str);
     theme::row(ui, "Object", name);

@@ -124,6 +124,7 @@ fn colour_button(ui: &mut egui::Ui, lamp: Lamp<'_>, state: LampState, new: &mut 
 fn colour_menu(ui: &mut egui::Ui, lamp: Lamp<'_>, state: LampState, new: &mut LampState) {
     let name = &lamp.luminaire.name;
     ui.set_min_width(230.0);
+    theme::undo_menu_style(ui);
     ui.label(RichText::new(name).strong());
     let kelvin = colour::nearest_kelvin(state.exitance);
     // Rounded as shown: the slider must not take its own rounding for a wish.
@@ -172,7 +173,7 @@ fn colour_menu(ui: &mut egui::Ui, lamp: Lamp<'_>, state: LampState, new: &mut La
             .speed((before * 0.01).max(0.1))
             .suffix(" lm")
             .max_decimals(0);
-        let drag = ui.name_inputs(format!("Lumens of {name}"), |ui| ui.add(drag));
+        let drag = ui.add(drag).accessible_name(format!("Lumens of {name}"));
         if drag.changed() && wanted != shown {
             new.exitance = if before > 0.0 {
                 state.exitance.map(|e| e * (wanted / before).max(1e-6))
@@ -181,7 +182,9 @@ fn colour_menu(ui: &mut egui::Ui, lamp: Lamp<'_>, state: LampState, new: &mut La
             };
         }
     });
-    if ui.button("As the file has it").clicked() {
-        new.exitance = lamp.luminaire.initial.exitance;
-    }
+    ui.horizontal(|ui| {
+        if ui.button("As the file has it").clicked() {
+            new.exitance = lamp.luminaire.initial.exitance;
+        }
+    });
 }

@@ -1,17 +1,26 @@
 //! The bar at the top: menus, the name of the scene, and the state of the solve.
 
-use super::solver::{is_running, state_of};
+use super::solver::{fraction_of, is_running, state_of};
 use super::{Commands, Model};
-use crate::scene::{SceneSource, Severity};
+use crate::scene::{LengthUnit, SceneSource, Severity, UpAxis};
 use crate::ui::command::{Command, SaveKind};
 use crate::ui::doctor::Ask;
-use crate::ui::state::{Quantity, ShadingMode};
+use crate::ui::state::{DisplaySettings, Quantity, ShadingMode};
 use crate::ui::{theme, units};
 use egui::{Button, RichText};
 
 /// The embedded scenes and what the menu says of them.
 const BUILTIN: [(&str, &str); 4] =
     [("hemicube", "Room of 1985"), ("cornell", "Cornell box"), ("house", "House"), ("gallery", "Gallery")];
+
+/// The units that a model can be in.
+const UNITS: [(LengthUnit, &str); 5] = [
+    (LengthUnit::Millimetre, "Millimetres"),
+    (LengthUnit::Centimetre, "Centimetres"),
+    (LengthUnit::Metre, "Metres"),
+    (LengthUnit::Inch, "Inches"),
+    (LengthUnit::Foot, "Feet"),
+];
 
 /// Shows the bar.
 pub(in crate::ui) fn show(ui: &mut egui::Ui, model: &Model<'_>, out: &mut Commands) {
@@ -57,8 +66,10 @@ fn solve_state(ui: &mut egui::Ui, model: &Model<'_>) {
     let (word, colour) = state_of(model.snapshot);
     let mut text = word.to_owned();
     if is_running(model.snapshot.stage) {
-        text += &format!("  {:.0} %", 100.0 * model.snapshot.fraction.clamp(0.0, 1.0));
-        if let Some(left) = model.snapshot.seconds_left {
+        if let Some(fraction) = fraction_of(model.snapshot) {
+            text += &format!("  {:.0} %", 100.0 * fraction);
+        }
+        if let Some(left) = model.snapshot.seconds_left.filter(|_| !model.snapshot.paused) {
             text += &format!("  {}", units::duration(left));
         }
     }
@@ -69,6 +80,14 @@ fn solve_state(ui: &mut egui::Ui, model: &Model<'_>) {
 
 fn item(ui: &mut egui::Ui, out: &mut Commands, text: &str, key: &str, enabled: bool, command: Command) {
     if ui.add_enabled(enabled, Button::new(text).shortcut_text(key)).clicked() {
+        out.push(command);
+        ui.close();
+    }
+}
+
+/// An item of what is in force or not; in the accent where it is.
+fn choice(ui: &mut egui::Ui, out: &mut Commands, text: &str, key: &str, on: bool, command: Command) {
+    if ui.add(Button::new(text).selected(on).shortcut_text(key)).clicked() {
         out.push(command);
         ui.close();
     }
@@ -101,6 +120,8 @@ fn file(ui: &mut egui::Ui, model: &Model<'_>, out: &mut Commands) {
     if ui.checkbox(&mut reload, "Reload when the file changes").changed() {
         out.push(Command::ReloadOnChange(reload));
     }
+    let frame = ui.menu_button("Unit and up axis", |ui| frame_of(ui, model, out));
+    frame.response.on_hover_text("Of the model; kept in NAME.toml beside it");
     ui.separator();
     let lit = !model.light.radiosity.is_empty();
     for kind in [SaveKind::Screenshot, SaveKind::Hdr, SaveKind::PatchTable, SaveKind::LitMesh] {
@@ -125,6 +146,21 @@ fn file(ui: &mut egui::Ui, model: &Model<'_>, out: &mut Commands) {
     item(ui, out, "Quit", "Ctrl-Q", true, Command::Quit);
 }
 
+/// In which unit the model is, and which of its axes points up.
+fn frame_of(ui: &mut egui::Ui, model: &Model<'_>, out: &mut Commands) {
+    let Some(scene) = model.scene.filter(|scene| matches!(scene.source, SceneSource::File(_))) else {
+        ui.label(RichText::new("Embedded scenes know theirs").color(theme::TEXT_WEAK));
+        return;
+    };
+    for (unit, name) in UNITS {
+        choice(ui, out, name, unit.symbol(), scene.unit == unit, Command::SetFrame(unit, scene.up));
+    }
+    ui.separator();
+    for (up, name) in [(UpAxis::Y, "Y is up"), (UpAxis::Z, "Z is up")] {
+        choice(ui, out, name, "", scene.up == up, Command::SetFrame(scene.unit, up));
+    }
+}
+
 fn edit(ui: &mut egui::Ui, model: &Model<'_>, out: &mut Commands) {
     item(ui, out, "Undo", "Ctrl-Z", model.can[0], Command::Undo);
     item(ui, out, "Redo", "Ctrl-Shift-Z", model.can[1], Command::Redo);
@@ -146,31 +182,24 @@ fn view(ui: &mut egui::Ui, model: &Model<'_>, out: &mut Commands) {
     for quantity in [Quantity::Picture, Quantity::Illuminance, Quantity::Luminance] {
         let new = display.showing(quantity);
         let key = if quantity == Quantity::Illuminance { "L" } else { "" };
-        item(ui, out, quantity.name(), key, true, Command::SetDisplay(new));
+        choice(ui, out, quantity.name(), key, display.quantity == quantity, Command::SetDisplay(new));
     }
     ui.separator();
-    item(ui, out, "Left panel", "", true, Command::ToggleLeft);
-    item(ui, out, "Right panel", "", true, Command::ToggleRight);
-    item(ui, out, "Both panels", "Tab", true, Command::TogglePanels);
-    item(ui, out, "Status line", "", true, Command::ToggleStatus);
+    let state = model.state;
+    choice(ui, out, "Left panel", "", state.left_open, Command::ToggleLeft);
+    choice(ui, out, "Right panel", "", state.right_open, Command::ToggleRight);
+    item(ui, out, "Fold or unfold both", "Tab", true, Command::TogglePanels);
+    choice(ui, out, "Status line", "", state.show_status, Command::ToggleStatus);
 }
 
 fn mesh(ui: &mut egui::Ui, model: &Model<'_>, out: &mut Commands) {
     let display = model.edits.display;
-    let mut new = display;
-    new.wireframe = !display.wireframe;
-    item(
-        ui,
-        out,
-        if display.wireframe { "Hide patch borders" } else { "Show patch borders" },
-        "M",
-        true,
-        Command::SetDisplay(new),
-    );
-    let mut new = display;
+    let borders = DisplaySettings { wireframe: !display.wireframe, ..display };
+    choice(ui, out, "Patch borders", "M", display.wireframe, Command::SetDisplay(borders));
     let flat = display.shading == ShadingMode::Flat;
-    new.shading = if flat { ShadingMode::Smooth } else { ShadingMode::Flat };
-    item(ui, out, if flat { "Smooth shading" } else { "Flat shading" }, "G", true, Command::SetDisplay(new));
+    let shading = if flat { ShadingMode::Smooth } else { ShadingMode::Flat };
+    let other = DisplaySettings { shading, ..display };
+    choice(ui, out, "Flat shading", "G", flat, Command::SetDisplay(other));
     ui.separator();
     for quantity in [
         Quantity::PatchIds,
@@ -180,7 +209,8 @@ fn mesh(ui: &mut egui::Ui, model: &Model<'_>, out: &mut Commands) {
         Quantity::Area,
         Quantity::Reflectance,
     ] {
-        item(ui, out, quantity.name(), "", true, Command::SetDisplay(display.showing(quantity)));
+        let command = Command::SetDisplay(display.showing(quantity));
+        choice(ui, out, quantity.name(), "", display.quantity == quantity, command);
     }
     ui.separator();
     for quantity in [
@@ -191,15 +221,18 @@ fn mesh(ui: &mut egui::Ui, model: &Model<'_>, out: &mut Commands) {
         Quantity::Residual,
         Quantity::Unshot,
     ] {
-        item(ui, out, quantity.name(), "", true, Command::SetDisplay(display.showing(quantity)));
+        let command = Command::SetDisplay(display.showing(quantity));
+        choice(ui, out, quantity.name(), "", display.quantity == quantity, command);
     }
     ui.separator();
-    let row = if display.quantity.is_row() { "Hide the row on the scene" } else { "Row on the scene" };
-    item(ui, out, row, "R", model.inspected.is_some(), Command::ToggleRow);
+    // Without a patch there is no row to show; it is looked into first, under the cursor (R).
+    let row = Button::new("Row on the scene").selected(display.quantity.is_row()).shortcut_text("R");
+    if ui.add_enabled(model.inspected.is_some(), row).clicked() {
+        out.push(Command::ToggleRow);
+        ui.close();
+    }
     item(ui, out, "Back to the patch before", "Backspace", model.can_go_back, Command::PickBack);
-    let table = if model.state.table_open { "Hide the table of patches" } else { "Table of patches" };
-    item(ui, out, table, "J", true, Command::ToggleTable);
-    let doctor = if model.state.doctor_open { "Hide the doctor" } else { "Doctor" };
-    item(ui, out, doctor, "K", true, Command::Doctor(Ask::Toggle));
+    choice(ui, out, "Table of patches", "J", model.state.table_open, Command::ToggleTable);
+    choice(ui, out, "Doctor", "K", model.state.doctor_open, Command::Doctor(Ask::Toggle));
     item(ui, out, "Look into no patch", "Esc", model.inspected.is_some(), Command::Inspect(None));
 }

@@ -52,6 +52,10 @@ pub(super) struct Model<'a> {
     pub(super) state: &'a UiState,
     /// Bookmarks: of the scene and stored by the user.
     pub(super) views: &'a [View],
+    /// The one to start from.
+    pub(super) start_view: usize,
+    /// The one that the camera stands at.
+    pub(super) view_here: Option<usize>,
     /// The false-colour scale in force.
     pub(super) scale: Option<FalseColour>,
     /// The exposure in force, EV at ISO 100.

@@ -36,17 +36,13 @@ pub(super) fn switch(ui: &mut egui::Ui, model: &Model<'_>, out: &mut Commands) {
 pub(super) fn numbers(ui: &mut egui::Ui, model: &Model<'_>, inspection: &Inspection, out: &mut Commands) {
     let percent = |share: f64| format!("{} %", units::digits(100.0 * share));
     // Rounding of single precision is no sky.
-    let escapes = if inspection.balanced && (1.0 - inspection.row_sum).abs() < 1e-6 {
-        0.0
-    } else {
-        1.0 - inspection.row_sum
-    };
+    let escapes = if (1.0 - inspection.row_sum).abs() < 1e-6 { 0.0 } else { 1.0 - inspection.row_sum };
     let source = if inspection.balanced { "balanced" } else { "as sampled" };
     theme::row(ui, &format!("Row sum, {source}"), format!("{:.6}", inspection.row_sum));
     theme::row(
         ui,
         "Escapes",
-        if inspection.row.is_empty() { "- (sees nothing)".to_owned() } else { percent(escapes) },
+        if inspection.row.is_empty() { "- (sees nothing)".to_owned() } else { percent(escapes.max(0.0)) },
     );
     theme::row(ui, "Patches seen", units::count(inspection.row.len()));
     if let Some(quality) = inspection.quality {

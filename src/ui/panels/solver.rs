@@ -33,52 +33,59 @@ pub(in crate::ui) fn is_running(stage: Stage) -> bool {
     !matches!(stage, Stage::Idle | Stage::Converged | Stage::Stopped | Stage::Failed)
 }
 
+/// What the button for a rest is called, what it tells, and what it asks for; a solve that was stopped is
+/// taken up again.
+pub(in crate::ui) fn pause(snapshot: &Snapshot) -> (&'static str, &'static str, Command) {
+    if snapshot.stage == Stage::Stopped {
+        ("Solve", "Solve with the settings in force (P)", Command::Solve(snapshot.settings.clone()))
+    } else if snapshot.paused {
+        ("Resume", "Go on (P)", Command::Pause(false))
+    } else {
+        ("Pause", "Let the solve rest (P)", Command::Pause(true))
+    }
+}
+
+/// How far the solve has come, 0 to 1; `None` while a scene is read and cut, which takes as long as it takes.
+pub(in crate::ui) fn fraction_of(snapshot: &Snapshot) -> Option<f64> {
+    let is_known = !matches!(snapshot.stage, Stage::Loading | Stage::Meshing);
+    is_known.then(|| snapshot.fraction.clamp(0.0, 1.0))
+}
+
 /// Shows progress, residual and settings.
 pub(in crate::ui) fn show(ui: &mut egui::Ui, model: &Model<'_>, out: &mut Commands) {
     let snapshot = model.snapshot;
     let (word, colour) = state_of(snapshot);
     let running = is_running(snapshot.stage);
+    ui.spacing_mut().item_spacing.y = 3.0;
     ui.horizontal(|ui| {
         ui.label(RichText::new(word).color(colour));
         ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
-            if let Some(left) = snapshot.seconds_left.filter(|_| running) {
+            ui.spacing_mut().item_spacing.x = 4.0;
+            if ui
+                .add_enabled(running, egui::Button::new("Stop"))
+                .on_hover_text("End the solve; the light so far stays")
+                .clicked()
+            {
+                out.push(Command::Stop);
+            }
+            let (text, tip, command) = pause(snapshot);
+            let can = running || snapshot.stage == Stage::Stopped;
+            if ui.add_enabled(can, egui::Button::new(text)).on_hover_text(tip).clicked() {
+                out.push(command);
+            }
+            if let Some(left) = snapshot.seconds_left.filter(|_| running && !snapshot.paused) {
+                ui.add_space(4.0);
                 ui.label(RichText::new(format!("{} left", units::duration(left))).color(theme::TEXT_WEAK));
             }
         });
     });
-    let bar = ProgressBar::new(snapshot.fraction.clamp(0.0, 1.0) as f32).desired_height(8.0);
+    let bar = ProgressBar::new(fraction_of(snapshot).unwrap_or(0.0) as f32).desired_height(8.0);
     ui.add(bar.fill(if running { theme::ACCENT } else { Color32::from_gray(80) }));
-    ui.horizontal(|ui| {
-        if snapshot.paused {
-            if ui.add_enabled(running, egui::Button::new("Resume")).on_hover_text("Go on (P)").clicked() {
-                out.push(Command::Pause(false));
-            }
-        } else if ui
-            .add_enabled(running, egui::Button::new("Pause"))
-            .on_hover_text("Let the solve rest (P)")
-            .clicked()
-        {
-            out.push(Command::Pause(true));
-        }
-        if ui
-            .add_enabled(running, egui::Button::new("Stop"))
-            .on_hover_text("End the solve; the light so far stays")
-            .clicked()
-        {
-            out.push(Command::Stop);
-        }
-    });
-    if snapshot.rows.1 > 0 {
-        let (done, all) = snapshot.rows;
-        theme::row(ui, "Form-factor rows", format!("{} of {}", units::count(done), units::count(all)));
-    }
-    if let Some(last) = snapshot.sweeps.last() {
-        numbers(ui, last);
-        residual_plot(ui, &snapshot.sweeps);
-    }
-    if !model.last_change.is_empty() {
-        ui.label(RichText::new(model.last_change).small().color(theme::TEXT_WEAK));
-    }
+    numbers(ui, snapshot);
+    residual_plot(ui, &snapshot.sweeps);
+    // Its line is kept while there is nothing to say.
+    let change = if model.last_change.is_empty() { " " } else { model.last_change };
+    ui.label(RichText::new(change).small().color(theme::TEXT_WEAK));
     ui.collapsing("Method and quality", |ui| settings(ui, &snapshot.settings, out));
     if let Some(plan) = &snapshot.plan
         && !plan.decisions.is_empty()
@@ -100,20 +107,43 @@ pub(in crate::ui) fn show(ui: &mut egui::Ui, model: &Model<'_>, out: &mut Comman
     }
 }
 
-fn numbers(ui: &mut egui::Ui, last: &SweepReport) {
-    theme::row(ui, "Sweeps", last.sweep.to_string());
-    theme::row(ui, "Residual", format!("{:.1e}", last.residual));
-    theme::row(ui, "Error at most", format!("{} %", units::digits(100.0 * last.error_bound)));
-    theme::row(ui, "Power emitted", format!("{} W", units::digits(last.emitted)));
-    theme::row(
-        ui,
-        "absorbed / escaped",
-        format!("{} / {} W", units::digits(last.absorbed), units::digits(last.escaped)),
+/// Four lines that are there from the start, so that nothing below them moves when they fill.
+fn numbers(ui: &mut egui::Ui, snapshot: &Snapshot) {
+    let none = || "-".to_owned();
+    let (done, all) = snapshot.rows;
+    let rows = if all > 0 { format!("{} of {}", units::count(done), units::count(all)) } else { none() };
+    theme::row(ui, "Form-factor rows", rows);
+    let last = snapshot.sweeps.last();
+    let sweeps = last.map_or_else(none, |s| format!("{}, residual {:.1e}", s.sweep, s.residual));
+    theme::row(ui, "Sweeps", sweeps)
+        .on_hover_text("The residual is what the last sweep still changed, of all");
+    let bound = last.map_or_else(none, |s| super::accuracy::percent(s.error_bound));
+    theme::row(ui, "Error of the solution at most", bound).on_hover_text(
+        "Guaranteed, of the largest radiosity reflected; that of patches and form factors not counted",
     );
+    let power = last.map_or_else(none, |s| {
+        format!("{} W, {} W escapes", units::digits(s.emitted), units::digits(s.escaped))
+    });
+    let told = theme::row(ui, "Power", power);
+    if let Some(last) = last {
+        let [emitted, absorbed, escaped] = [last.emitted, last.absorbed, last.escaped].map(units::digits);
+        told.on_hover_text(format!(
+            "{emitted} W emitted by the lamps that the sweeps run for, {absorbed} W absorbed, {escaped} W escape \
+             through openings"
+        ));
+    }
 }
+
+/// Height of the plot of the residual, and of the place kept for it, points.
+const PLOT_HEIGHT: f32 = 64.0;
 
 fn residual_plot(ui: &mut egui::Ui, sweeps: &[SweepReport]) {
     if sweeps.len() < 2 {
+        let (place, _) =
+            ui.allocate_exact_size(egui::vec2(ui.available_width(), PLOT_HEIGHT), egui::Sense::hover());
+        ui.painter().rect_filled(place, 2.0, ui.visuals().extreme_bg_color);
+        let (text, font) = ("Residual by sweep", egui::TextStyle::Small.resolve(ui.style()));
+        ui.painter().text(place.center(), egui::Align2::CENTER_CENTER, text, font, theme::TEXT_FAINT);
         return;
     }
     let logs: Vec<[f64; 2]> = sweeps
@@ -124,7 +154,9 @@ fn residual_plot(ui: &mut egui::Ui, sweeps: &[SweepReport]) {
     let [low, high] = decades(logs.iter().map(|point| point[1]));
     let points = egui_plot::PlotPoints::from(logs);
     egui_plot::Plot::new("residual by sweep")
-        .height(80.0)
+        .height(PLOT_HEIGHT)
+        .show_crosshair(false)
+        .grid_color(theme::GRID)
         .allow_drag(false)
         .allow_zoom(false)
         .allow_scroll(false)
@@ -133,8 +165,15 @@ fn residual_plot(ui: &mut egui::Ui, sweeps: &[SweepReport]) {
         .show_y(false)
         // Its labels come and go with the number of sweeps, which stands above.
         .show_axes([false, true])
-        // Wide enough for every label from the first frame on.
-        .y_axis_min_width(34.0)
+        .custom_y_axes(vec![
+            egui_plot::AxisHints::new_y()
+                // Wide enough for every label from the first frame on.
+                .min_thickness(38.0)
+                .label_spacing(egui::Rangef::new(9.0, 9.5))
+                .tick_label_color(theme::TEXT_WEAK)
+                .tick_label_font(egui::FontId::proportional(11.0))
+                .formatter(|mark, _| format!("1e{:.0}", mark.value)),
+        ])
         .include_y(low)
         .include_y(high)
         .y_grid_spacer(move |_| {
@@ -144,7 +183,6 @@ fn residual_plot(ui: &mut egui::Ui, sweeps: &[SweepReport]) {
             let mark = |k: usize| egui_plot::GridMark { value: low + k as f64 * step, step_size: step };
             (0..=count).map(mark).collect()
         })
-        .y_axis_formatter(|mark, _| format!("1e{:.0}", mark.value))
         .show(ui, |plot| {
             plot.line(egui_plot::Line::new("residual", points).color(theme::ACCENT).width(1.5));
         });

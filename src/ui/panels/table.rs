@@ -161,7 +161,11 @@ fn table_line(
     ];
     cells.extend(Column::ALL.map(|column| {
         let value = column.value(model, patch as usize);
-        let cell = Cell::number(NUMBER, value.map_or_else(|| "-".to_owned(), units::digits));
+        let told = match column {
+            Column::Illuminance | Column::Luminance => units::light,
+            _ => units::digits,
+        };
+        let cell = Cell::number(NUMBER, value.map_or_else(|| "-".to_owned(), told));
         if column == by { cell } else { cell.weak() }
     }));
     let shown = line(ui, &format!("Patch {patch}"), model.inspected == Some(patch), &cells);

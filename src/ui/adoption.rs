@@ -1,0 +1,159 @@
+//! A mesh that has come to the screen: of another scene, of the same one cut differently, or of a file that
+//! was read again, with what the user had done to it.
+
+use super::app::App;
+use super::camera_control::CameraControl;
+use super::state::{DisplaySettings, Edits};
+use crate::scene::{Scene, View};
+use std::sync::Arc;
+
+impl App {
+    /// Takes over the scene of the mesh that has come to the screen.
+    pub(super) fn adopt_scene(&mut self) {
+        let Some(prepared) = self.picture.prepared.clone() else { return };
+        self.stale.mesh = true;
+        self.look_into(None);
+        self.microscope.forget();
+        self.touring = None;
+        self.clock.forget();
+        self.seen = Default::default();
+        let scene = Arc::clone(&prepared.scene);
+        let before = self.scene_shown.replace(Arc::clone(&scene));
+        if before.as_ref().is_some_and(|before| Arc::ptr_eq(before, &scene)) {
+            return;
+        }
+        self.files.watch(Some(&scene.source));
+        let display = DisplaySettings { split: false, ..self.edits.display };
+        let edits = std::mem::replace(&mut self.edits, Edits::of_scene(&scene, display));
+        let views = std::mem::replace(&mut self.views, scene.views.clone());
+        self.start_view = scene.start_view;
+        self.history.clear();
+        self.solo = None;
+        self.exposure = Default::default();
+        if let Some(before) = before.filter(|before| before.source == scene.source) {
+            carry_lamps(&before, &edits, &scene, &mut self.edits);
+            if carry_materials(&before, &edits, &scene, &mut self.edits) {
+                // Reading the file again has forgotten them.
+                self.worker.set_materials(self.edits.materials());
+            }
+            carry_views(&before, &views, &mut self.views);
+            let is_in_place = before.up == scene.up && before.unit == scene.unit;
+            if is_in_place && self.camera.is_some() {
+                return;
+            }
+        }
+        let up = scene.up.vector();
+        let size = prepared.bounds.size();
+        let start = scene.views.get(scene.start_view).or(scene.views.first());
+        self.camera = start.map(|view| {
+            CameraControl::new(
+                view,
+                up,
+                size.dot(up),
+                size.length(),
+                self.state.motion,
+                self.state.eye_height,
+            )
+        });
+        self.inherit();
+    }
+}
+
+/// Brings lamps that the user has changed into the state that they had, by name, where the name is one lamp's
+/// alone.
+fn carry_lamps(before: &Scene, edits: &Edits, now: &Scene, new: &mut Edits) {
+    for (old, &state) in before.luminaires.iter().zip(&edits.lighting.lamps) {
+        if state == old.initial {
+            continue;
+        }
+        let same = |scene: &Scene| {
+            let mut named = scene.luminaires.iter().enumerate().filter(|(_, lamp)| lamp.name == old.name);
+            named.next().filter(|_| named.next().is_none()).map(|(index, _)| index)
+        };
+        if let (Some(_), Some(index)) = (same(before), same(now))
+            && let Some(lamp) = new.lighting.lamps.get_mut(index)
+        {
+            *lamp = state;
+        }
+    }
+}
+
+/// Gives materials that the user has changed the reflectance that they had, by name; whether there were any.
+fn carry_materials(before: &Scene, edits: &Edits, now: &Scene, new: &mut Edits) -> bool {
+    let mut any = false;
+    for (old, value) in before.materials.iter().zip(&edits.reflectance) {
+        let Some(value) = value else { continue };
+        let index = now.materials.iter().position(|material| material.name == old.name);
+        if let Some(slot) = index.and_then(|index| new.reflectance.get_mut(index)) {
+            *slot = Some(*value);
+            any = true;
+        }
+    }
+    any
+}
+
+/// Keeps the bookmarks that the user has stored and that the file does not have.
+fn carry_views(before: &Scene, views: &[View], new: &mut Vec<View>) {
+    for view in views {
+        let is_stored = before.views.iter().all(|old| old.name != view.name);
+        if is_stored && new.iter().all(|known| known.name != view.name) {
+            new.push(view.clone());
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene;
+
+    const OBJ: &str =
+        "mtllib t.mtl\nv 0 0 0\nv 1 0 0\nv 1 0 1\nv 0 0 1\nv 0 2 0\nv 1 2 0\nv 1 2 1\nv 0 2 1\n";
+    const MTL: &str = "newmtl wall\nKd 0.5 0.5 0.5\nnewmtl glow\nKd 0.8 0.8 0.8\nKe 3 3 3\n";
+
+    fn read(faces: &str, sidecar: &str) -> Scene {
+        scene::from_text("t", &format!("{OBJ}{faces}"), MTL, Some(sidecar)).expect("a scene")
+    }
+
+    #[test]
+    fn a_file_read_again_keeps_what_was_done_by_name() {
+        let floor = "o floor\nusemtl wall\nf 4 3 2 1\n";
+        let lamp = "o lamp\nusemtl glow\nf 5 6 7 8\n";
+        let before = read(&format!("{floor}{lamp}"), "[[luminaire]]\nobject = \"lamp\"\nname = \"Lamp\"\n");
+        // The other way round, with a lamp more, and with a bookmark.
+        let more = "o second\nusemtl glow\nf 1 2 6 5\n";
+        let sidecar = "[[luminaire]]\nobject = \"second\"\nname = \"Second\"\n\
+                       [[luminaire]]\nobject = \"lamp\"\nname = \"Lamp\"\n\
+                       [[view]]\nname = \"Door\"\neye = [0.5, 1, 0.5]\ntarget = [1, 1, 1]\n";
+        let now = read(&format!("{more}{lamp}{floor}"), sidecar);
+        let mut edits = Edits::of_scene(&before, DisplaySettings::default());
+        edits.lighting.lamps[0].dimmer = 0.25;
+        let wall = before.materials.iter().position(|m| m.name == "wall").expect("there");
+        edits.reflectance[wall] = Some([0.1, 0.2, 0.3]);
+        let mut new = Edits::of_scene(&now, DisplaySettings::default());
+        let second = new.lighting.lamps[0];
+        carry_lamps(&before, &edits, &now, &mut new);
+        assert!(carry_materials(&before, &edits, &now, &mut new));
+        assert_eq!((new.lighting.lamps[1].dimmer, new.lighting.lamps[0]), (0.25, second));
+        let wall = now.materials.iter().position(|m| m.name == "wall").expect("there");
+        assert_eq!(new.reflectance[wall], Some([0.1, 0.2, 0.3]));
+
+        let stored = View { name: "View 4".to_owned(), ..now.views[0].clone() };
+        let mut views = now.views.clone();
+        carry_views(&before, &[stored.clone(), now.views[0].clone()], &mut views);
+        assert_eq!(views.len(), now.views.len() + 1);
+        assert_eq!(views.last(), Some(&stored));
+    }
+
+    #[test]
+    fn lamps_that_nobody_touched_follow_the_file() {
+        let scene = |dimmer: f64| {
+            let sidecar = format!("[[luminaire]]\nobject = \"lamp\"\nname = \"Lamp\"\ndimmer = {dimmer}\n");
+            read("o lamp\nusemtl glow\nf 5 6 7 8\no floor\nusemtl wall\nf 4 3 2 1\n", &sidecar)
+        };
+        let (before, now) = (scene(1.0), scene(0.5));
+        let mut new = Edits::of_scene(&now, DisplaySettings::default());
+        carry_lamps(&before, &Edits::of_scene(&before, DisplaySettings::default()), &now, &mut new);
+        assert_eq!(new.lighting.lamps[0].dimmer, 0.5);
+    }
+}

@@ -1,0 +1,188 @@
+//! What the worker and the helper threads have brought since the last frame.
+
+use super::app::{App, Asked};
+use super::files::FileNews;
+use super::microscope::Shown;
+use super::overlay::{NOTICE_SECS, Notice};
+use super::panels;
+use super::path_dialog::PathDialog;
+use super::state::Quantity;
+use crate::scene::SceneSource;
+use crate::session::{Snapshot, Stage};
+use std::sync::Arc;
+
+impl App {
+    /// Takes over what the worker and the helper threads have brought.
+    pub(super) fn listen(&mut self, ctx: &egui::Context) {
+        let before = std::mem::replace(&mut self.snapshot, self.worker.latest());
+        let wake = ctx.clone();
+        let wake = move || wake.request_repaint();
+        let news = self.picture.follow(&self.snapshot, &self.reclaim, wake);
+        if news.mesh {
+            self.adopt_scene();
+        }
+        if news.bases {
+            self.picture.settle_comparison();
+            self.picture.relight(&self.edits.lighting);
+            self.stale.light = true;
+            self.stale.exposure = true;
+        }
+        self.follow_change(&before);
+        self.reclaim.later(before);
+        self.tell_title(ctx);
+        self.follow_microscope(ctx);
+        let time = ctx.input(|i| i.time);
+        self.follow_error(time);
+        self.look_after_device(ctx, time);
+        self.audit(ctx, time);
+        if let Some(prepared) = &self.picture.prepared {
+            let wake = ctx.clone();
+            self.doctor.follow(prepared, move || wake.request_repaint());
+        }
+        for news in self.files.news() {
+            self.file_news(news, time);
+        }
+        if let Some(notice) = &self.notice
+            && !notice.is_error
+        {
+            let left = NOTICE_SECS - (time - notice.since);
+            if left <= 0.0 {
+                self.notice = None;
+            } else {
+                ctx.request_repaint_after_secs(left as f32);
+            }
+        }
+        self.take_screenshot();
+    }
+
+    /// Takes over what the worker says that it recomputed, once: what is switched afterwards is told instead.
+    fn follow_change(&mut self, before: &Snapshot) {
+        let told = &self.snapshot.last_change;
+        let has_converged = before.stage != Stage::Converged && self.snapshot.stage == Stage::Converged;
+        if !told.is_empty() && (has_converged || *told != before.last_change) {
+            self.last_change.clone_from(told);
+            if let Some(scene) = &self.snapshot.scene {
+                // A path would fill the line.
+                self.last_change = told.replace(&scene.source.to_string(), &scene.name);
+            }
+            self.opening = None;
+        }
+    }
+
+    /// Names the scene in the title of the window.
+    fn tell_title(&mut self, ctx: &egui::Context) {
+        let title = match &self.scene_shown {
+            Some(scene) => format!("{} - Lumenwalk", scene.name),
+            None => "Lumenwalk".to_owned(),
+        };
+        if title != self.title {
+            ctx.send_viewport_cmd(egui::ViewportCommand::Title(title.clone()));
+            self.title = title;
+        }
+    }
+
+    /// Asks the microscope for what is looked at.
+    fn follow_microscope(&mut self, ctx: &egui::Context) {
+        let Some(prepared) = &self.picture.prepared else { return };
+        let quantity = self.edits.display.quantity;
+        let shown = Shown {
+            prepared,
+            reflectance: &self.picture.reflectance,
+            light: &self.picture.light,
+            light_version: self.picture.light_version,
+            lighting: &self.edits.lighting,
+        };
+        let maps = quantity.is_defect() || self.state.table_open || self.inspected.is_some();
+        let news = self.microscope.follow(&self.snapshot, &shown, self.inspected, maps, ctx);
+        if news && (quantity.is_defect() || quantity.is_row()) {
+            self.stale.light = true;
+        }
+    }
+
+    /// Lets the background check follow the light, and solves on where a goal asks for it.
+    fn audit(&mut self, ctx: &egui::Context, time: f64) {
+        let wake = ctx.clone();
+        let wake = move || wake.request_repaint();
+        let prepared = self.picture.prepared.as_ref();
+        let is_current = prepared.is_some_and(|p| p.mesh_serial == self.snapshot.mesh_serial);
+        let light = Some(&self.picture.light).filter(|l| is_current && !l.irradiance.is_empty());
+        let known = self.auditor.findings.clone();
+        let (next, again) = self.auditor.follow(&self.snapshot, &self.edits.lighting, light, time, wake);
+        let same = match (&known, &self.auditor.findings) {
+            (Some(a), Some(b)) => Arc::ptr_eq(a, b),
+            (a, b) => a.is_none() && b.is_none(),
+        };
+        self.stale.light |= !same && self.edits.display.quantity == Quantity::Error;
+        if let Some(settings) = next {
+            self.worker.set_settings(settings);
+        }
+        if let Some(seconds) = again {
+            ctx.request_repaint_after_secs(seconds as f32);
+        }
+    }
+
+    /// Shows a new error of the worker, and takes it away once the worker has got over it.
+    fn follow_error(&mut self, time: f64) {
+        let shown = self.notice.as_ref().filter(|n| n.is_error).map(|n| n.text.as_str());
+        let running = panels::solver::is_running(self.snapshot.stage);
+        // The error of an earlier request stays in the snapshot until the next one is answered.
+        let is_answered = |asked: &Asked| {
+            asked.known_error != self.snapshot.error || self.snapshot.serial > asked.serial && !running
+        };
+        if self.opening.as_ref().is_some_and(|asked| self.snapshot.error.is_some() && !is_answered(asked)) {
+            return;
+        }
+        match self.snapshot.error.as_deref() {
+            Some(error) if shown != Some(error) && self.dismissed.as_deref() != Some(error) => {
+                self.notice = Some(Notice { text: error.to_owned(), is_error: true, since: time });
+                self.worker_error = Some(error.to_owned());
+                if let Some(asked) = self.opening.take() {
+                    self.last_change = format!("{} was not opened", asked.name);
+                }
+            }
+            None if self.worker_error.is_some() && shown == self.worker_error.as_deref() => {
+                (self.notice, self.worker_error) = (None, None);
+            }
+            _ => {}
+        }
+    }
+
+    fn file_news(&mut self, news: FileNews, time: f64) {
+        match news {
+            FileNews::Opened(path) => self.open(SceneSource::File(path)),
+            FileNews::SaveAs(kind, path) => self.save_to(kind, path),
+            FileNews::Cancelled => {}
+            FileNews::NoDialog(kind) => {
+                let suggestion = kind.map(|kind| self.suggested_path(kind)).unwrap_or_default();
+                self.path_dialog = Some(PathDialog::new(kind, suggestion));
+            }
+            FileNews::Saved(path) => {
+                if path.extension().is_some_and(|e| e == "toml") {
+                    // What the window wrote itself is no change to load.
+                    self.files.watch(self.scene_shown.as_ref().map(|scene| &scene.source));
+                }
+                let text = format!("Saved {}", path.display());
+                self.notice = Some(Notice { text, is_error: false, since: time });
+            }
+            FileNews::Repaired(path, what) => {
+                let text = format!("Saved {}: {what}", path.display());
+                self.notice = Some(Notice { text, is_error: false, since: time });
+            }
+            FileNews::Framed(path) => {
+                // One reading is enough.
+                self.files.watch(self.scene_shown.as_ref().map(|scene| &scene.source));
+                self.reload();
+                let text = format!("Saved {}; the model is read again", path.display());
+                self.notice = Some(Notice { text, is_error: false, since: time });
+            }
+            FileNews::SaveFailed(text) => {
+                self.notice = Some(Notice { text, is_error: true, since: time });
+            }
+            FileNews::Changed => {
+                if self.state.reload_on_change {
+                    self.reload();
+                }
+            }
+        }
+    }
+}
