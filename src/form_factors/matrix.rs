@@ -87,13 +87,24 @@ impl FormFactors {
         let close_pairs = close.iter().map(Vec::len).sum();
 
         let starts: Vec<usize> = (0..n).step_by(BLOCK).collect();
-        let blocks: Vec<Block> = starts
+        // Where each row enters each block: a row is searched as a whole, while it is at hand.
+        let entries: Vec<Vec<u32>> = rows
             .par_iter()
-            .map(|&start| {
-                let end = if cancelled() { start } else { (start + BLOCK).min(n) };
-                Block::assemble(computer, &rows, &close, start..end)
+            .map(|row| {
+                let first = |start: &usize| row.patches.partition_point(|&p| (p as usize) < *start) as u32;
+                starts.iter().map(first).collect()
             })
             .collect();
+        let blocks: Vec<Block> = starts
+            .par_iter()
+            .enumerate()
+            .map(|(block, &start)| {
+                let end = if cancelled() { start } else { (start + BLOCK).min(n) };
+                let entry = |row: usize| entries[row][block] as usize;
+                Block::assemble(computer, &rows, &entry, &close, start..end)
+            })
+            .collect();
+        drop(entries);
         if cancelled() {
             return None;
         }
@@ -319,6 +330,7 @@ impl Block {
     fn assemble(
         computer: &RowComputer,
         rows: &[Row],
+        entry: &dyn Fn(usize) -> usize,
         close: &[Vec<(u32, f64)>],
         range: std::ops::Range<usize>,
     ) -> Self {
@@ -327,7 +339,7 @@ impl Block {
         let mut columns: Vec<Vec<(u32, f32)>> = vec![Vec::new(); range.len()];
         let mut mirrored: Vec<Vec<(u32, f64)>> = vec![Vec::new(); range.len()];
         for (j, row) in rows.iter().enumerate() {
-            let first = row.patches.partition_point(|&p| (p as usize) < range.start);
+            let first = entry(j);
             for (&i, &value) in row.patches[first..].iter().zip(&row.values[first..]) {
                 if i as usize >= range.end {
                     break;
