@@ -3,8 +3,8 @@
 use glam::{DVec2, DVec3, dvec3};
 use lumenwalk::geometry::polygon::{area_2d, area_vector, clip_2d, triangulate};
 use lumenwalk::geometry::{Bvh, Ray};
-use lumenwalk::mesh::{MeshSettings, build};
-use lumenwalk::scene::{Scene, SceneSource, Severity, Sides, Surface, builtin, load};
+use lumenwalk::mesh::{MeshSettings, build, checkup};
+use lumenwalk::scene::{Scene, SceneSource, Severity, Sides, Surface, builtin, examine, load};
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 use std::f64::consts::{PI, TAU};
 
@@ -64,6 +64,20 @@ fn every_scene_loads_without_repairs() {
         }
     }
     assert_eq!(builtin::source("nowhere"), None);
+}
+
+#[test]
+fn the_doctor_finds_no_fault_in_any_scene() {
+    for name in builtin::NAMES {
+        let scene = scene(name);
+        let examination = examine(&scene);
+        let mesh = build(&scene, &MeshSettings::default()).unwrap_or_else(|e| panic!("{name}: {e}"));
+        let of_patches = checkup(&scene, &mesh, &examination.crossings);
+        let all = scene.findings.iter().chain(&examination.findings).chain(&of_patches);
+        let bad: Vec<_> = all.filter(|f| f.severity > Severity::Note).map(|f| f.message.as_str()).collect();
+        assert!(bad.is_empty(), "{name}: {bad:#?}");
+        assert_eq!(examination.crossings, [], "{name}: faces cut through each other");
+    }
 }
 
 #[test]
