@@ -13,7 +13,7 @@ pub(crate) type Taken = [[f64; 3]; 2];
 /// Leaves keep this far from what stands beside them, metres.
 const CLEARANCE: f64 = 0.006;
 /// Places that are tried for a leaf: as many around, then shorter ones.
-const TURNS: usize = 9;
+const TURNS: usize = 13;
 const LENGTHS: usize = 6;
 
 /// A potted plant on y = 0 with bent leaves in all directions; `height` of its crown, metres.
@@ -39,10 +39,11 @@ pub(crate) fn plant_between(m: &mut Model, height: f64, leaves: usize, seed: u32
             let (sin, cos) = (angle + turn).sin_cos();
             let (out, across) = (dvec3(cos, 0.0, sin), dvec3(-sin, 0.0, cos));
             let reach = height * (0.42 - 0.26 * t) * length;
-            let foot = dvec3(0.0, pot, 0.0) + out * (0.15 * rim + 0.3 * rim * t);
+            // Later leaves grow within the earlier ones.
+            let foot = dvec3(0.0, pot, 0.0) + out * (0.45 * rim - 0.35 * rim * t);
             let waist = foot + out * (0.45 * reach) + DVec3::Y * (0.72 * lift);
             let tip = foot + out * reach + DVec3::Y * lift * (0.72 + 0.3 * t);
-            let half = across * (0.075 * height * (1.0 - 0.3 * t));
+            let half = across * (0.075 * height * (1.0 - 0.3 * t) * length.sqrt());
             [[foot, waist - half, waist + half], [waist + half, waist - half, tip]]
         };
         let tries = (0..TURNS * LENGTHS).map(|i| {
