@@ -27,6 +27,9 @@ const ENOUGH_LAMP_PATHS: usize = 3;
 /// Lit points remembered on each side.
 const LIT_POINTS: usize = 4;
 
+/// Lit points that a patch is held against before it counts as buried.
+const NEAR_POINTS: usize = 64;
+
 /// How light and a side stand to each other.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Reach {
@@ -230,12 +233,43 @@ impl<'a> Search<'a> {
                 {
                     return None;
                 }
-                let lit = (1..)
-                    .zip(points(patch).into_iter().take(40))
-                    .find(|&(k, point)| self.is_lit(&[point], frame, seed + k, PATHS / 8, 1));
+                // In a house of many rooms few of so short paths come upon one of the lamps of this room.
+                let near = self.lit_points_near(patch.centre, frame.normal);
+                if self.sees(patch.centre, frame.normal, &near) {
+                    return None;
+                }
+                let lit = (1..).zip(points(patch).into_iter().take(40)).find(|&(k, point)| {
+                    self.is_lit(&[point], frame, seed + k, PATHS / 8, 1)
+                        || self.sees(point, frame.normal, &near)
+                });
                 Some(lit.map_or(Buried::Whole, |(_, point)| Buried::LitAt(point)))
             })
             .collect()
+    }
+
+    /// The points nearest to a patch, of those that are known to be lit, that lie in front of it and
+    /// face it.
+    fn lit_points_near(&self, centre: DVec3, normal: DVec3) -> Vec<(DVec3, DVec3)> {
+        let mut near: Vec<(f64, (DVec3, DVec3))> = self
+            .lit_points
+            .iter()
+            .map(|&lit| (lit.0 - centre, lit))
+            .filter(|(to, (_, towards))| to.dot(normal) > 0.0 && to.dot(*towards) < 0.0)
+            .map(|(to, lit)| (to.length_squared(), lit))
+            .collect();
+        near.sort_by(|a, b| a.0.total_cmp(&b.0));
+        near.truncate(NEAR_POINTS);
+        near.into_iter().map(|(_, lit)| lit).collect()
+    }
+
+    /// Whether one of these points, each with the direction that it faces, is seen from a point.
+    fn sees(&self, from: DVec3, normal: DVec3, points: &[(DVec3, DVec3)]) -> bool {
+        let origin = from + normal * self.offset;
+        points.iter().any(|&(at, towards)| {
+            let direction = at + towards * self.offset - origin;
+            let faces = direction.dot(normal) > 0.0 && direction.dot(towards) < 0.0;
+            faces && !self.bvh.occluded(&Ray { origin, direction }, 0.0, 1.0)
+        })
     }
 
     /// Whether `enough` of `paths` paths from the points in turn find light.

@@ -4,7 +4,7 @@ use super::writer::Model;
 use crate::geometry::Frame;
 use crate::geometry::polygon::{area_vector, triangulate};
 use glam::{DVec2, DVec3, dvec3};
-use std::f64::consts::TAU;
+use std::f64::consts::{PI, TAU};
 
 /// Which faces of a block are made.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -141,6 +141,36 @@ impl Model {
         }
     }
 
+    /// A bar of square section along a bent line in one plane, mitred at its bends, without its ends;
+    /// the first lies in the plane through the line's start at right angles to `ends[0]`, the last
+    /// likewise. Returns the corners of the last end as a face that looks out of the bar.
+    pub(crate) fn pipe(&mut self, line: &[DVec3], thickness: f64, ends: [DVec3; 2]) -> [DVec3; 4] {
+        let along: Vec<DVec3> = line.windows(2).map(|w| (w[1] - w[0]).normalize()).collect();
+        let bend = along.windows(2).map(|w| w[0].cross(w[1])).find(|c| c.length() > 1e-6);
+        let side = bend.unwrap_or_else(|| along[0].any_orthogonal_vector()).normalize();
+        let cut = |k: usize| match k {
+            0 => ends[0],
+            k if k == along.len() => ends[1],
+            k => along[k - 1] + along[k],
+        };
+        let ring = |k: usize, axis: DVec3| {
+            let up = side.cross(axis);
+            [side + up, -side + up, -side - up, side - up].map(|corner| {
+                let offset = corner * (0.5 * thickness);
+                line[k] + offset - axis * (offset.dot(cut(k)) / axis.dot(cut(k)))
+            })
+        };
+        for (k, &axis) in along.iter().enumerate() {
+            let (near, far) = (ring(k, axis), ring(k + 1, axis));
+            for c in 0..4 {
+                let next = (c + 1) % 4;
+                self.polygon(&[near[next], near[c], far[c], far[next]]);
+            }
+        }
+        let [a, b, c, d] = ring(along.len(), along[along.len() - 1]);
+        [d, c, b, a]
+    }
+
     /// A regular polygon of `sides` corners around `centre`, facing up or down.
     pub(crate) fn disc(&mut self, centre: DVec3, radius: f64, sides: usize, up: bool) {
         let mut corners: Vec<_> = (0..sides).map(|k| centre + radius * spoke(k, sides)).collect();
@@ -235,15 +265,18 @@ impl Model {
 
     /// A ball of `rings` bands and `sides` facets around.
     pub(crate) fn ball(&mut self, centre: DVec3, radius: f64, rings: usize, sides: usize) {
-        let profile: Vec<_> = (0..=rings)
-            .map(|k| {
-                let polar = std::f64::consts::PI * k as f64 / rings as f64;
-                let r = if k == 0 || k == rings { 0.0 } else { radius * polar.sin() };
-                (r, -radius * polar.cos())
-            })
-            .collect();
-        self.lathe(centre, &profile, sides);
+        self.lathe(centre, &sphere(radius, rings), sides);
     }
+}
+
+/// Profile of a ball of `rings` bands, from its lowest point up, for [`Model::lathe`].
+pub(crate) fn sphere(radius: f64, rings: usize) -> Vec<(f64, f64)> {
+    let at = |k: usize| {
+        let polar = PI * k as f64 / rings as f64;
+        let r = if k == 0 || k == rings { 0.0 } else { radius * polar.sin() };
+        (r, -radius * polar.cos())
+    };
+    (0..=rings).map(at).collect()
 }
 
 /// Corners of a square of half edge `half` around `centre`, turned by `turn_deg` as

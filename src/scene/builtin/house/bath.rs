@@ -1,8 +1,9 @@
 //! The bathroom.
 
-use super::furniture::{cabinet, plant};
+use super::furniture::{cabinet, tap};
 use super::lamps::{downlight, wall_tube};
 use super::palette::{BRASS, CERAMIC, DARK_FRAME, LINEN, OAK, RUST, STEEL};
+use super::plants::plant_between;
 use super::shell::HEIGHT;
 use crate::scene::builtin::shapes::Faces;
 use crate::scene::builtin::writer::{Model, Output};
@@ -15,7 +16,13 @@ pub(crate) fn bathroom(m: &mut Model) {
         m.place([x, HEIGHT, z], 0.0, |m| downlight(m, downlights));
     }
     tub(m);
-    m.place([8.98, 0.0, 0.4], 0.0, |m| plant(m, 0.95, 14, 41));
+    // In the corner, with the bath on its other side.
+    let taken = [
+        [[0.26, 0.0, -9.0], [9.0; 3]],
+        [[-9.0, 0.0, -9.0], [9.0, 9.0, -0.4]],
+        [[-9.0, 0.0, -9.0], [-0.26, 0.56, 0.35]],
+    ];
+    m.place([8.98, 0.0, 0.4], 0.0, |m| plant_between(m, 0.95, 14, 41, &taken));
 
     let east = 9.24;
     m.place([east, 0.0, 1.85], -90.0, |m| {
@@ -33,8 +40,7 @@ pub(crate) fn bathroom(m: &mut Model) {
         );
         m.basin([rim - x, y + 0.02, z0 + rim], [x - rim, y + 0.13, z1 - rim], 0.04);
         m.object("taps").paint(&BRASS);
-        m.bar(dvec3(0.0, y, 0.045), dvec3(0.0, y + 0.24, 0.045), 0.022);
-        m.bar(dvec3(0.0, y + 0.23, 0.056), dvec3(0.0, y + 0.23, 0.18), 0.02);
+        m.place([0.0, y, 0.045], 0.0, |m| tap(m, 0.23, 0.135));
     });
     m.place([east, 1.5, 1.85], -90.0, |m| super::entrance::mirror(m, [1.0, 0.8], &DARK_FRAME));
     m.place([east, 2.02, 1.85], -90.0, |m| wall_tube(m, tube, 0.8));
@@ -63,7 +69,9 @@ fn tub(m: &mut Model) {
     m.panel(dvec3(x0, y, z1), (DVec3::X, x1 - x0), (-DVec3::Z, z1), &[[rim, x1 - x0 - rim, rim, z1 - rim]]);
     m.basin([x0 + rim, 0.14, rim], [x1 - rim, y, z1 - rim], 0.09);
     m.object("taps").paint(&BRASS);
-    m.bar(dvec3(7.9, 0.82, 0.0), dvec3(7.9, 0.82, 0.16), 0.03);
+    let spout = [dvec3(7.9, 0.82, 0.0), dvec3(7.9, 0.82, 0.15), dvec3(7.9, 0.77, 0.15)];
+    let end = m.pipe(&spout, 0.03, [DVec3::Z, DVec3::Y]);
+    m.polygon(&end);
 }
 
 /// A toilet with its cistern against the wall z = 0.

@@ -1,8 +1,9 @@
 //! The bedroom.
 
-use super::furniture::{bed, book_stack, cabinet, picture, plant, vase};
+use super::furniture::{bed, book_stack, cabinet, picture, vase};
 use super::lamps::{ceiling_disc, table_lamp};
 use super::palette::{BLUE_WOOL, BRASS, CERAMIC, DARK_FRAME, JOINERY, MUSTARD, OAK, WALNUT};
+use super::plants::plant_between;
 use super::shell::HEIGHT;
 use super::textiles::curtains;
 use crate::scene::builtin::writer::{Model, Output, Paint};
@@ -30,7 +31,9 @@ pub(crate) fn bedroom(m: &mut Model) {
     m.place([5.55, 0.0, 3.2], 180.0, |m| {
         m.object("chest_of_drawers");
         cabinet(m, [1.2, 0.8, 0.44], 3, &OAK, &OAK);
-        m.place([-0.35, 0.8, 0.2], 0.0, |m| plant(m, 0.6, 14, 31));
+        m.place([-0.35, 0.8, 0.2], 0.0, |m| {
+            plant_between(m, 0.6, 14, 31, &[[[-9.0, 0.0, -9.0], [9.0, 9.0, -0.17]]])
+        });
         m.place([0.1, 0.8, 0.22], 10.0, |m| book_stack(m, 0.0));
         m.place([0.42, 0.8, 0.2], 0.0, |m| vase(m, &MUSTARD_GLAZE, 0.8));
     });

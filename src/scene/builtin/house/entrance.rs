@@ -1,8 +1,9 @@
 //! The entrance hall.
 
-use super::furniture::{bowl, cabinet, picture, plant, table, vase};
+use super::furniture::{bowl, cabinet, picture, table, vase};
 use super::lamps::downlight;
 use super::palette::{BRASS, CERAMIC, CHARCOAL, DARK_FRAME, MIRROR, MUSTARD, OAK, RUST, SAGE_FRONT, WALNUT};
+use super::plants::plant_between;
 use super::shell::HEIGHT;
 use crate::scene::builtin::shapes::Faces;
 use crate::scene::builtin::writer::{Model, Output, Paint};
@@ -22,7 +23,9 @@ pub(crate) fn hall(m: &mut Model) {
     });
     m.place([10.75, 1.6, 4.4], 180.0, |m| mirror(m, [0.8, 1.0], &BRASS));
     m.place([9.36, 1.55, 1.9], 90.0, |m| picture(m, [0.9, 0.65], &OAK, 2));
-    m.place([9.68, 0.0, 2.95], 0.0, |m| plant(m, 1.15, 15, 21));
+    m.place([9.68, 0.0, 2.95], 0.0, |m| {
+        plant_between(m, 1.15, 15, 21, &[[[-9.0, 0.0, -9.0], [-0.32, 9.0, 9.0]]])
+    });
 
     m.place([11.6, 0.0, 1.2], -90.0, |m| {
         m.object("hall_bench");

@@ -2,13 +2,12 @@
 //! a wall have it at z = 0 behind them and face +z.
 
 use super::palette::{
-    BLUE_WOOL, BRASS, CERAMIC, CHARCOAL, CREAM, DARK_FRAME, LEAF, LINEN, MUSTARD, PAPER, POT, RUST,
-    SAGE_FRONT, SOIL,
+    BLUE_WOOL, BRASS, CERAMIC, CHARCOAL, CREAM, DARK_FRAME, LEAF, LINEN, MUSTARD, PAPER, RUST, SAGE_FRONT,
+    SOIL,
 };
 use crate::scene::builtin::shapes::Faces;
 use crate::scene::builtin::writer::{Model, Paint};
 use glam::{DVec3, dvec3};
-use std::f64::consts::TAU;
 
 /// A table: size along x, height, size along z; the top overhangs its four legs by `inset`.
 pub(crate) fn table(m: &mut Model, [w, h, d]: [f64; 3], inset: f64, top: &Paint, legs: &Paint) {
@@ -147,31 +146,6 @@ impl Random {
     }
 }
 
-/// A potted plant with bent leaves in all directions; `height` of its crown, metres.
-pub(crate) fn plant(m: &mut Model, height: f64, leaves: usize, seed: u32) {
-    let (pot, rim) = (0.26 * height.min(1.2), 0.14 * height.min(1.2));
-    m.object("plants").paint(&POT);
-    m.lathe(DVec3::ZERO, &[(0.7 * rim, 0.0), (rim, pot)], 10);
-    m.paint(&SOIL).disc(dvec3(0.0, pot, 0.0), rim, 10, true);
-    m.paint(&LEAF);
-    let mut random = Random(seed);
-    for k in 0..leaves {
-        let angle = TAU * (k as f64 * 0.381_966 + 0.05 * random.next());
-        let out = dvec3(angle.cos(), 0.0, angle.sin());
-        let across = dvec3(-angle.sin(), 0.0, angle.cos());
-        // Lower leaves lean out, later ones stand up.
-        let t = k as f64 / leaves as f64;
-        let lift = height * (0.45 + 0.5 * t) * (0.9 + 0.2 * random.next());
-        let reach = height * (0.42 - 0.26 * t);
-        let foot = dvec3(0.0, pot, 0.0) + out * (0.15 * rim + 0.3 * rim * t);
-        let waist = foot + out * (0.45 * reach) + DVec3::Y * (0.72 * (lift - pot).max(0.1));
-        let tip = foot + out * reach + DVec3::Y * (lift - pot).max(0.1) * (0.72 + 0.3 * t);
-        let half = across * (0.075 * height * (1.0 - 0.3 * t));
-        m.polygon(&[foot, waist - half, waist + half]);
-        m.polygon(&[waist + half, waist - half, tip]);
-    }
-}
-
 /// A framed picture around the origin, 2.5 cm in front of the wall; `kind` chooses the motif.
 pub(crate) fn picture(m: &mut Model, [w, h]: [f64; 2], frame: &Paint, kind: usize) {
     let (x, y, d, rim) = (0.5 * w, 0.5 * h, 0.025, 0.03);
@@ -220,6 +194,14 @@ pub(crate) fn bowl(m: &mut Model, paint: &Paint, radius: f64) {
     m.lathe(DVec3::ZERO, &[(0.94 * radius, 0.4 * radius), (0.4 * radius, 0.06 * radius)], 10);
     m.lathe(DVec3::ZERO, &[(radius, 0.4 * radius), (0.94 * radius, 0.4 * radius)], 10);
     m.disc(dvec3(0.0, 0.06 * radius, 0.0), 0.4 * radius, 10, true);
+}
+
+/// A tap on y = 0: its spout reaches over +z at this height, and its mouth faces down.
+pub(crate) fn tap(m: &mut Model, height: f64, reach: f64) {
+    let line =
+        [DVec3::ZERO, dvec3(0.0, height, 0.0), dvec3(0.0, height, reach), dvec3(0.0, height - 0.035, reach)];
+    let mouth = m.pipe(&line, 0.022, [DVec3::Y; 2]);
+    m.polygon(&mouth);
 }
 
 /// A stack of books lying on y = 0.

@@ -1,12 +1,13 @@
 //! Dining room and kitchen.
 
-use super::furniture::{bowl, cabinet, chair, fronts, picture, place_setting, plant, table, vase};
+use super::furniture::{bowl, cabinet, chair, fronts, picture, place_setting, table, tap, vase};
 use super::lamps::{dome_pendant, globe_pendant, strip};
 use super::palette::{
     BLACK, BRASS, CERAMIC, DARK_FRAME, JOINERY, KITCHEN_TILE, MUSTARD, OAK, PINE_GREEN, POT, RUST,
     SAGE_FRONT, STEEL, WALNUT, WORKTOP,
 };
 use super::plan::SOUTH;
+use super::plants::{plant, plant_between};
 use super::shell::HEIGHT;
 use super::textiles::curtains;
 use crate::scene::builtin::shapes::Faces;
@@ -48,7 +49,9 @@ pub(crate) fn dining_room(m: &mut Model) {
     m.place([8.48, 0.0, 7.92], -90.0, |m| {
         m.object("sideboard");
         cabinet(m, [0.86, 0.85, 0.4], 2, &WALNUT, &WALNUT);
-        m.place([0.1, 0.85, 0.2], 0.0, |m| plant(m, 0.55, 14, 5));
+        m.place([0.1, 0.85, 0.2], 0.0, |m| {
+            plant_between(m, 0.55, 14, 5, &[[[-9.0, 0.0, -9.0], [9.0, 9.0, -0.17]]])
+        });
     });
     m.place([8.48, 1.6, 7.92], -90.0, |m| picture(m, [0.6, 0.8], &DARK_FRAME, 2));
     m.place([7.7, 0.0, SOUTH], 180.0, |m| curtains(m, 1.8, 0.03, 2.36, 0.36));
@@ -62,6 +65,8 @@ const NOSE: f64 = 0.02;
 const EAST: f64 = 11.6;
 const WEST: f64 = 8.6;
 const RUN_NORTH: f64 = 5.75;
+/// From where to where the wall units leave room for the hood.
+const HOOD: [f64; 2] = [6.6, 7.2];
 
 pub(crate) fn kitchen(m: &mut Model) {
     let pendant = m.lamp("Kitchen pendant", Output::White(2200.0, 5000.0), true);
@@ -106,19 +111,21 @@ fn base_units(m: &mut Model) {
     let (plinth, toe) = (0.1, 0.06);
     // East run, along local x from its north end; it stops where the south run's fronts begin.
     let length = SOUTH - BASE - RUN_NORTH;
-    let run = |m: &mut Model, width: f64, doors: usize| {
+    // The plinths, set back, run on to where they meet in the corner.
+    let run = |m: &mut Model, width: f64, doors: usize, [from, to]: [f64; 2]| {
         m.object("kitchen_units");
         fronts(m, [0.0, plinth, BASE], [width, TOP - 0.03 - plinth], doors, 0.012, &SAGE_FRONT);
-        m.quad(dvec3(0.0, plinth, BASE - toe), DVec3::X * width, DVec3::Z * toe);
-        m.paint(&DARK_FRAME).wall(dvec3(0.0, 0.0, BASE - toe), DVec3::X, width, plinth, &[]);
+        m.quad(dvec3(0.0, plinth, BASE - toe), DVec3::X * to, DVec3::Z * toe);
+        m.paint(&DARK_FRAME).wall(dvec3(from, 0.0, BASE - toe), DVec3::X, to - from, plinth, &[]);
         m.paint(&BRASS);
         for k in 0..doors {
             let x = width * (k as f64 + 0.5) / doors as f64;
             m.block([x - 0.07, 0.76, BASE], [x + 0.07, 0.775, BASE + 0.02], Faces::ALL.without(Faces::BACK));
         }
     };
-    m.place([EAST, 0.0, RUN_NORTH], -90.0, |m| run(m, length, 4));
-    m.place([EAST - BASE, 0.0, SOUTH], 180.0, |m| run(m, EAST - BASE - WEST, 4));
+    m.place([EAST, 0.0, RUN_NORTH], -90.0, |m| run(m, length, 4, [0.0, length + toe]));
+    let length = EAST - BASE - WEST;
+    m.place([EAST - BASE, 0.0, SOUTH], 180.0, |m| run(m, length, 4, [-toe, length]));
 
     let (tall, depth, width) = (2.25, 0.64, RUN_NORTH - 4.56);
     m.object("tall_units");
@@ -146,20 +153,24 @@ fn worktops(m: &mut Model) {
     m.quad(dvec3(x, low, RUN_NORTH), DVec3::X * NOSE, DVec3::Z * (z + NOSE - RUN_NORTH));
     m.quad(dvec3(WEST, low, z), DVec3::X * (x - WEST), DVec3::Z * NOSE);
     m.object("sink").paint(&STEEL).basin([sink[0], TOP - 0.18, sink[2]], [sink[1], TOP, sink[3]], 0.01);
-    m.bar(dvec3(10.05, TOP, 8.32), dvec3(10.05, TOP + 0.26, 8.32), 0.022);
-    m.bar(dvec3(10.05, TOP + 0.25, 8.31), dvec3(10.05, TOP + 0.25, 8.13), 0.02);
+    m.place([10.05, TOP, 8.32], 180.0, |m| tap(m, 0.25, 0.19));
 
     let (tile, head, sill) = (0.008, 1.5, 1.2);
     m.object("tiles").paint(&KITCHEN_TILE);
-    m.wall(dvec3(EAST - tile, TOP, RUN_NORTH), DVec3::Z, SOUTH - tile - RUN_NORTH, head - TOP, &[]);
+    let length = SOUTH - RUN_NORTH;
+    let behind = [length - tile, length, 0.0, sill - TOP];
+    m.wall(dvec3(EAST - tile, TOP, RUN_NORTH), DVec3::Z, length, head - TOP, &[behind]);
     m.wall(dvec3(EAST - tile, TOP, SOUTH - tile), -DVec3::X, EAST - tile - WEST, sill - TOP, &[]);
     m.quad(dvec3(WEST, sill, SOUTH), DVec3::X * (EAST - tile - WEST), DVec3::Z * -tile);
+    let [from, to] = HOOD;
+    m.quad(dvec3(EAST - tile, head, to), DVec3::X * tile, DVec3::Z * (from - to));
 }
 
 /// Cupboards on the east wall and the hood between them.
 fn wall_units(m: &mut Model) {
     let (low, high, depth) = (1.5, 2.25, 0.34);
-    for (z0, z1, doors, touching) in [(RUN_NORTH, 6.6, 2, Faces::LEFT), (7.2, SOUTH, 3, Faces::RIGHT)] {
+    for (z0, z1, doors, touching) in [(RUN_NORTH, HOOD[0], 2, Faces::LEFT), (HOOD[1], SOUTH, 3, Faces::RIGHT)]
+    {
         m.object("wall_units");
         m.place([EAST, low, z0], -90.0, |m| {
             let (w, h) = (z1 - z0, high - low);

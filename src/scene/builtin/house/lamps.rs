@@ -1,7 +1,7 @@
 //! Lamps of many kinds; each emits for the [`LampId`] it is given.
 
 use super::palette::{BLACK, BRASS, DARK_FRAME, JOINERY, STEEL};
-use crate::scene::builtin::shapes::Faces;
+use crate::scene::builtin::shapes::{Faces, sphere};
 use crate::scene::builtin::writer::{LampId, Model, Paint};
 use glam::{DVec3, dvec3};
 
@@ -33,14 +33,15 @@ pub(crate) fn dome_pendant(m: &mut Model, lamp: LampId, drop: f64, shade: &Paint
 
 /// An opal globe of `radius` whose centre hangs `drop` below the ceiling at y = 0.
 pub(crate) fn globe_pendant(m: &mut Model, lamp: LampId, drop: f64, radius: f64) {
+    let (centre, sides) = (dvec3(0.0, -drop, 0.0), 14);
+    let mut globe = sphere(radius, 8);
+    globe.pop();
     m.object("pendant_cords").paint(&BRASS);
-    m.lathe(
-        dvec3(0.0, -drop, 0.0),
-        &[(0.4 * radius, 0.92 * radius), (0.3 * radius, 1.2 * radius), (0.0, 1.2 * radius)],
-        12,
-    );
+    // The cap takes the place of the globe's uppermost band.
+    let rim = globe[globe.len() - 1];
+    m.lathe(centre, &[rim, (0.3 * radius, 1.2 * radius), (0.0, 1.2 * radius)], sides);
     m.bar(dvec3(0.0, 1.2 * radius - drop, 0.0), DVec3::ZERO, 0.012);
-    m.glow(lamp, 1.0, OPAL).ball(dvec3(0.0, -drop, 0.0), radius, 8, 14);
+    m.glow(lamp, 1.0, OPAL).lathe(centre, &globe, sides);
 }
 
 /// A drum shade around the origin: the fabric glows softly, the openings above and below brightly.
@@ -55,7 +56,7 @@ pub(crate) fn drum_shade(m: &mut Model, lamp: LampId, radius: f64, height: f64) 
 /// A floor lamp of this height on y = 0.
 pub(crate) fn floor_lamp(m: &mut Model, lamp: LampId, height: f64) {
     m.object("floor_lamp").paint(&BRASS);
-    m.lathe(DVec3::ZERO, &[(0.15, 0.0), (0.15, 0.02), (0.0, 0.03)], 14);
+    m.lathe(DVec3::ZERO, &[(0.15, 0.0), (0.15, 0.02), (0.03, 0.03), (0.0, 0.03)], 14);
     let shade = 0.34;
     m.bar(dvec3(0.0, 0.03, 0.0), dvec3(0.0, height - shade, 0.0), 0.022);
     m.place([0.0, height - 0.5 * shade, 0.0], 0.0, |m| drum_shade(m, lamp, 0.23, shade));
@@ -73,12 +74,14 @@ pub(crate) fn table_lamp(m: &mut Model, lamp: LampId, body: &Paint) {
 pub(crate) fn desk_lamp(m: &mut Model, lamp: LampId) {
     m.object("desk_lamp").paint(&BRASS);
     m.lathe(DVec3::ZERO, &[(0.085, 0.0), (0.085, 0.02), (0.0, 0.02)], 12);
-    let (elbow, head) = (dvec3(-0.1, 0.32, 0.0), dvec3(0.2, 0.5, 0.0));
-    m.bar(dvec3(0.0, 0.02, 0.0), elbow, 0.016);
-    m.bar(elbow, head, 0.014);
+    let (elbow, head) = (dvec3(-0.1, 0.32, 0.0), dvec3(0.2, 0.47, 0.0));
+    // The arm stands on the base and comes down on the flat top of the shade.
+    let cap = 0.012;
+    let arm = [dvec3(0.0, 0.02, 0.0), elbow, head + 0.05 * DVec3::Y, head + cap * DVec3::Y];
+    m.pipe(&arm, 0.015, [DVec3::Y; 2]);
     m.place(head.to_array(), 0.0, |m| {
         m.object("desk_lamp").paint(&BRASS);
-        m.lathe(DVec3::ZERO, &[(0.09, -0.1), (0.045, 0.0), (0.0, 0.015)], 12);
+        m.lathe(DVec3::ZERO, &[(0.09, -0.1), (0.045, 0.0), (0.022, cap), (0.0, cap)], 12);
         m.glow(lamp, 1.0, OPAL).disc(dvec3(0.0, -0.1, 0.0), 0.09, 12, false);
     });
 }

@@ -1,9 +1,10 @@
 //! The sunken living room and the gallery along it.
 
-use super::furniture::{book_stack, bookshelf, bowl, cabinet, picture, plant, table, vase};
+use super::furniture::{book_stack, bookshelf, bowl, cabinet, picture, table, vase};
 use super::lamps::{downlight, floor_lamp, television};
 use super::palette::{BLUE_WOOL, BRASS, CERAMIC, DARK_FRAME, MUSTARD, OAK, POT, RUST, SOFA, WALNUT};
 use super::plan::{PIT, SOUTH};
+use super::plants::{plant, plant_between};
 use super::shell::HEIGHT;
 use super::textiles::{armchair, curtains, sofa, throw_cushion};
 use crate::scene::builtin::writer::{Model, Output};
@@ -16,7 +17,7 @@ pub(crate) fn living_room(m: &mut Model) {
 
     m.place([2.5, PIT, SOUTH - 0.24], 180.0, |m| {
         sofa(m, 2.5, 3, 0.92, &SOFA);
-        for (x, turn, paint) in [(-0.86, 6.0, &MUSTARD), (-0.45, -5.0, &RUST), (0.88, -7.0, &MUSTARD)] {
+        for (x, turn, paint) in [(-0.86, 6.0, &MUSTARD), (-0.39, -5.0, &RUST), (0.88, -7.0, &MUSTARD)] {
             m.place([x, 0.43, 0.375], turn, |m| throw_cushion(m, paint));
         }
     });
@@ -28,7 +29,9 @@ pub(crate) fn living_room(m: &mut Model) {
         m.place([0.28, 0.38, -0.05], 0.0, |m| bowl(m, &CERAMIC, 0.15));
     });
     m.place([0.5, PIT, 7.85], 0.0, |m| floor_lamp(m, floor_light, 1.62));
-    m.place([4.62, PIT, 7.75], 0.0, |m| plant(m, 1.5, 18, 7));
+    // Between the curtain and the edge of the upper floor.
+    let taken = [[[-9.0, 0.0, 0.5], [9.0, 9.0, 9.0]], [[0.58, 0.0, -9.0], [9.0, -PIT, 9.0]]];
+    m.place([4.62, PIT, 7.75], 0.0, |m| plant_between(m, 1.5, 18, 7, &taken));
     m.place([0.0, PIT, 6.6], 90.0, |m| {
         m.object("media_board");
         cabinet(m, [1.9, 0.42, 0.4], 3, &OAK, &OAK);

@@ -26,6 +26,7 @@ mod lamps;
 mod living;
 mod palette;
 mod plan;
+mod plants;
 mod shell;
 mod study;
 mod terrace;

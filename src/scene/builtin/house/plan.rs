@@ -22,6 +22,12 @@ pub(crate) const SOUTH: f64 = 8.4;
 /// Thickness of the outer walls, metres.
 pub(crate) const OUTER: f64 = 0.2;
 
+/// The windows of the living and the dining room: the only ones that something is seen through.
+pub(crate) const TERRACE_WINDOWS: [Opening; 2] = [
+    Opening::window(Across::Z, [0.8, 4.4], SOUTH, SOUTH + OUTER, [0.05, 2.25]),
+    Opening::window(Across::Z, [5.9, 7.7], SOUTH, SOUTH + OUTER, [0.05, 2.25]),
+];
+
 /// The rugs: they are let into the floors, so that no patches lie unseen beneath them.
 const RUGS: &[Rug] = &[
     Rug { room: "living", x: [0.95, 3.95], z: [5.4, 7.5], border: 0.12, field: &CREAM, edge: &CHARCOAL },
@@ -43,8 +49,8 @@ pub(crate) fn shell(m: &mut Model) {
         inner(Across::X, [5.2, 7.4], [8.48, 8.6], 2.25, &STONE_FLOOR),
     ];
     let windows = [
-        (Opening::window(Across::Z, [0.8, 4.4], SOUTH, SOUTH + OUTER, [0.05, 2.25]), 4, None),
-        (Opening::window(Across::Z, [5.9, 7.7], SOUTH, SOUTH + OUTER, [0.05, 2.25]), 2, Some(1.75)),
+        (TERRACE_WINDOWS[0], 4, None),
+        (TERRACE_WINDOWS[1], 2, Some(1.75)),
         (Opening::window(Across::Z, [9.3, 10.9], SOUTH, SOUTH + OUTER, [1.2, 2.1]), 2, None),
         (Opening::window(Across::Z, [4.2, 6.0], 0.0, -OUTER, [0.9, 2.2]), 3, None),
         (Opening::window(Across::X, [0.7, 2.1], 0.0, -OUTER, [0.95, 2.2]), 2, Some(1.8)),
@@ -54,14 +60,14 @@ pub(crate) fn shell(m: &mut Model) {
     // The gallery runs on to the entrance: no wall there.
     let join = inner(Across::X, [3.32, 4.4], [8.48, 8.48], HEIGHT, &OAK_FLOOR);
     let mut openings = doors.to_vec();
-    openings.extend(windows.iter().map(|w| w.0));
     for opening in &openings {
         opening.reveal(m);
     }
-    for (window, panes, transom) in &windows {
+    for (k, (window, panes, transom)) in windows.iter().enumerate() {
         let inside = if window.through[0] == SOUTH { Faces::BACK } else { Faces::FRONT };
-        window.frame(m, *panes, *transom, inside);
+        window.frame(m, *panes, *transom, inside, k >= TERRACE_WINDOWS.len());
     }
+    openings.extend(windows.iter().map(|w| w.0));
     openings.push(join);
 
     let plain = [&PLASTER; 4];

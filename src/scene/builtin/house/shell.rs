@@ -1,6 +1,6 @@
 //! Rooms, the openings between them, windows and doors.
 
-use super::palette::{CEILING, DARK_FRAME, JOINERY, PLASTER};
+use super::palette::{CEILING, DARK_FRAME, JOINERY, NIGHT_GLASS, PLASTER};
 use crate::scene::builtin::shapes::{Faces, Hole, rectangle};
 use crate::scene::builtin::writer::{Model, Paint};
 use glam::{DVec3, dvec3};
@@ -152,7 +152,13 @@ impl Opening {
     }
 
     /// A window in an outer wall whose inner face is at `inner` and whose outer one at `outer`.
-    pub(crate) fn window(across: Across, along: [f64; 2], inner: f64, outer: f64, height: [f64; 2]) -> Self {
+    pub(crate) const fn window(
+        across: Across,
+        along: [f64; 2],
+        inner: f64,
+        outer: f64,
+        height: [f64; 2],
+    ) -> Self {
         let through = [inner.min(outer), inner.max(outer)];
         Self { across, along, through, height, lining: &PLASTER, sill: &JOINERY }
     }
@@ -170,30 +176,42 @@ impl Opening {
 
     /// The faces inside the wall's thickness: sides, head and sill.
     pub(crate) fn reveal(&self, m: &mut Model) {
+        self.lining(m, [0.0, self.through[1] - self.through[0]]);
+    }
+
+    /// The part of the reveal between two depths, metres from `through[0]`.
+    fn lining(&self, m: &mut Model, [from, to]: [f64; 2]) {
         let [sill, head] = self.height;
         let rise = DVec3::Y * (head - sill);
         m.object("reveals");
-        self.in_wall(m, |m, width, depth| {
-            let (across, into) = (DVec3::X * width, DVec3::Z * depth);
+        self.in_wall(m, |m, width, _| {
+            let (across, into) = (DVec3::X * width, DVec3::Z * (to - from));
             m.paint(self.lining);
-            m.quad(dvec3(0.0, sill, depth), -into, rise);
-            m.quad(dvec3(width, sill, 0.0), into, rise);
-            m.quad(dvec3(0.0, head, 0.0), across, into);
+            m.quad(dvec3(0.0, sill, to), -into, rise);
+            m.quad(dvec3(width, sill, from), into, rise);
+            m.quad(dvec3(0.0, head, from), across, into);
             m.paint(self.sill);
-            m.quad(dvec3(0.0, sill, depth), across, -into);
+            m.quad(dvec3(0.0, sill, to), across, -into);
         });
     }
 
-    /// A frame in the middle of the reveal with upright mullions between `panes` panes, and a
-    /// crossbar at `transom` where given; `inside` is its face towards the room.
-    pub(crate) fn frame(&self, m: &mut Model, panes: usize, transom: Option<f64>, inside: Faces) {
+    /// A window: the reveal, and in its middle a frame with upright mullions between `panes` panes
+    /// and a crossbar at `transom` where given; `inside` is its face towards the room. The panes are
+    /// black against the night where `dark`, and the window ends there; else one sees through.
+    pub(crate) fn frame(&self, m: &mut Model, panes: usize, transom: Option<f64>, inside: Faces, dark: bool) {
         let (bar, half) = (0.05, 0.03);
         let [sill, head] = self.height;
-        m.object("window_frames").paint(&DARK_FRAME);
-        self.in_wall(m, |m, width, depth| {
-            let (z0, z1) = (0.5 * depth - half, 0.5 * depth + half);
-            let flat = inside;
+        let depth = self.through[1] - self.through[0];
+        let (z0, z1) = (0.5 * depth - half, 0.5 * depth + half);
+        match (dark, inside == Faces::BACK) {
+            (false, _) => self.reveal(m),
+            (true, true) => self.lining(m, [0.0, z0]),
+            (true, false) => self.lining(m, [z1, depth]),
+        }
+        let flat = if dark { inside } else { Faces::FRONT.and(Faces::BACK) };
+        self.in_wall(m, |m, width, _| {
             let (low, high) = (sill + bar, head - bar);
+            m.object("window_frames").paint(&DARK_FRAME);
             m.block([0.0, sill, z0], [width, low, z1], flat.and(Faces::TOP));
             m.block([0.0, high, z0], [width, head, z1], flat.and(Faces::BOTTOM));
             m.block([0.0, low, z0], [bar, high, z1], flat.and(Faces::RIGHT));
@@ -205,6 +223,7 @@ impl Opening {
                     if k == 0 { x } else { x + 0.5 * bar },
                     if k + 1 == panes { x + pane } else { x + pane - 0.5 * bar },
                 );
+                m.object("window_frames").paint(&DARK_FRAME);
                 if k > 0 {
                     m.block(
                         [x - 0.5 * bar, low, z0],
@@ -212,9 +231,18 @@ impl Opening {
                         flat.and(Faces::LEFT).and(Faces::RIGHT),
                     );
                 }
+                let mut bays = vec![[low, high]];
                 if let Some(y) = transom {
                     let level = flat.and(Faces::TOP).and(Faces::BOTTOM);
                     m.block([left, y, z0], [right, y + 0.6 * bar, z1], level);
+                    bays = vec![[low, y], [y + 0.6 * bar, high]];
+                }
+                if dark {
+                    m.object("window_panes").paint(&NIGHT_GLASS);
+                    for [y0, y1] in bays {
+                        // Set back as far as the frame is deep.
+                        m.block([left, y0, z1], [right, y1, z0], inside);
+                    }
                 }
             }
         });

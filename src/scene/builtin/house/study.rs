@@ -1,8 +1,9 @@
 //! The study.
 
-use super::furniture::{book_stack, bookshelf, chair, picture, plant, table};
+use super::furniture::{book_stack, bookshelf, chair, picture, table};
 use super::lamps::{desk_lamp, dome_pendant};
 use super::palette::{BLACK, BRASS, CHARCOAL, DARK_FRAME, MUSTARD, OAK, PAPER, RUST, SAGE_FRONT, WALNUT};
+use super::plants::plant_between;
 use super::shell::HEIGHT;
 use super::textiles::{armchair, throw_cushion};
 use crate::scene::builtin::shapes::Faces;
@@ -37,8 +38,16 @@ pub(crate) fn study(m: &mut Model) {
         bookshelf(m, [1.25, 2.15, 0.28], 6, &OAK, 5);
     });
     m.place([2.6, 0.0, 0.0], 0.0, low_shelf);
-    m.place([0.62, 0.0, 0.42], 0.0, |m| plant(m, 1.25, 15, 17));
-    m.place([0.22, 0.0, 3.02], 135.0, |m| {
+    // In the corner beside the desk: two walls, the desk's top and leg, the shelves.
+    let taken = [
+        [[-9.0, 0.0, -9.0], [-0.62, 9.0, 9.0]],
+        [[-9.0, 0.0, -9.0], [9.0, 9.0, -0.42]],
+        [[-0.58, 0.71, 0.18], [0.12, 0.74, 1.0]],
+        [[0.03, 0.0, 0.22], [0.08, 0.71, 0.27]],
+        [[0.605, 0.0, -9.0], [9.0, 9.0, -0.14]],
+    ];
+    m.place([0.62, 0.0, 0.42], 0.0, |m| plant_between(m, 1.25, 15, 17, &taken));
+    m.place([0.42, 0.0, 3.02], 135.0, |m| {
         m.place([0.0, 0.0, 0.28], 0.0, |m| {
             armchair(m, &SAGE_FRONT, &WALNUT);
             m.place([0.02, 0.44, 0.17], 5.0, |m| throw_cushion(m, &MUSTARD));

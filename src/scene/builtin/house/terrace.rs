@@ -1,8 +1,10 @@
 //! The terrace in front of the south windows: what there is to see outside at night.
 
-use super::furniture::{plant, table};
-use super::palette::{DARK_FRAME, OAK};
-use super::plan::{OUTER, SOUTH};
+use super::furniture::table;
+use super::palette::{DARK_FRAME, OAK, PLASTER};
+use super::plan::{OUTER, SOUTH, TERRACE_WINDOWS};
+use super::plants::plant_between;
+use super::shell::HEIGHT;
 use crate::scene::builtin::shapes::Faces;
 use crate::scene::builtin::writer::{LampId, Model, Output, Paint};
 use glam::{DVec3, dvec3};
@@ -23,6 +25,15 @@ pub(crate) fn terrace(m: &mut Model) {
     m.object("deck").paint(&DECK);
     m.quad(dvec3(WEST, LEVEL, EDGE), DVec3::X * width, DVec3::Z * (front - EDGE));
 
+    // The outside of the house, as far as the terrace goes.
+    let holes = TERRACE_WINDOWS.map(|w| {
+        let [from, to] = w.along.map(|x| x - WEST);
+        let [sill, head] = w.height.map(|y| y - LEVEL);
+        [from, to, sill, head]
+    });
+    m.object("facade").paint(&PLASTER);
+    m.wall(dvec3(WEST, LEVEL, front), DVec3::X, width, HEIGHT + 0.2 - LEVEL, &holes);
+
     // A fence of broad upright boards of two tones closes the south.
     let (height, boards) = (1.8, 16);
     let pitch = width / f64::from(boards);
@@ -38,7 +49,9 @@ pub(crate) fn terrace(m: &mut Model) {
         m.place([x, LEVEL, EDGE - 0.42], 0.0, |m| {
             m.object("planters").paint(&DARK_FRAME);
             m.block([-0.25, 0.0, -0.25], [0.25, 0.3, 0.25], Faces::STANDING);
-            m.place([0.0, 0.3, 0.0], 0.0, |m| plant(m, height, 12, seed));
+            m.place([0.0, 0.3, 0.0], 0.0, |m| {
+                plant_between(m, height, 12, seed, &[[[-9.0, 0.0, 0.42], [9.0; 3]]])
+            });
         });
     }
     m.object("terrace_bench");
