@@ -257,8 +257,10 @@ impl<'a> Search<'a> {
             .filter(|(to, (_, towards))| to.dot(normal) > 0.0 && to.dot(*towards) < 0.0)
             .map(|(to, lit)| (to.length_squared(), lit))
             .collect();
-        near.sort_by(|a, b| a.0.total_cmp(&b.0));
-        near.truncate(NEAR_POINTS);
+        if near.len() > NEAR_POINTS {
+            near.select_nth_unstable_by(NEAR_POINTS, |a, b| a.0.total_cmp(&b.0));
+            near.truncate(NEAR_POINTS);
+        }
         near.into_iter().map(|(_, lit)| lit).collect()
     }
 
