@@ -104,7 +104,7 @@ fn what_is_unshot_closes_the_balance_of_a_picture_on_the_way() {
         Control::Continue
     };
     Run::new(&mut observer, &cancel, Timings::default())
-        .rows(&made.prepared, &system, None)
+        .rows(&made.prepared, &system, None, &mut Vec::new())
         .expect("not cancelled");
     assert!(!seen.is_empty(), "the first light is told");
     for (stage, light, unshot) in &seen {

@@ -326,6 +326,39 @@ fn pause_holds_and_resume_finishes() {
 }
 
 #[test]
+fn an_edit_while_rows_come_keeps_those_that_are_there_and_a_rest_costs_no_time() {
+    let watched = Watched::new();
+    let asked = SolveSettings { tolerance: 1e-6, ..coarse(3000) };
+    watched.session.set_settings(asked.clone());
+    let clock = std::time::Instant::now();
+    watched.session.pause();
+    watched.session.open(SceneSource::Builtin("hemicube".to_owned()));
+    let resting = watched.until("rest", |s| s.paused && s.rows.0 > 0);
+    let there = resting.rows.0;
+    assert!(there < resting.rows.1);
+    let rest = Duration::from_millis(1500);
+    std::thread::sleep(rest);
+    let material = resting.scene.as_ref().unwrap().materials.iter().position(|m| m.name == "white").unwrap();
+    let edit = MaterialEdit { material: material as u32, reflectance: [0.5, 0.4, 0.3] };
+    watched.session.set_materials(vec![edit]);
+    watched.session.resume();
+    let end = watched.converged(&resting);
+    let (rows, _) = recomputed(&end);
+    assert!(rows + there <= resting.rows.1 && rows > 0, "{there} were there, {}", end.last_change);
+    assert!(end.timings.solve() < (clock.elapsed() - rest).as_secs_f64(), "{:?}", end.timings);
+
+    // As if nothing had come between.
+    let watched = Watched::new();
+    watched.session.set_settings(asked);
+    let before = watched.open_builtin("hemicube");
+    watched.session.set_materials(vec![edit]);
+    let direct = watched.converged(&before);
+    let (a, b) = (&end.bases.as_ref().unwrap().values, &direct.bases.as_ref().unwrap().values);
+    let largest = b.iter().copied().fold(0.0, f32::max);
+    assert!(a.iter().zip(b).all(|(x, y)| (x - y).abs() <= 1e-5 * largest));
+}
+
+#[test]
 fn a_request_while_paused_replaces_what_rests() {
     let watched = Watched::coarse();
     watched.session.pause();

@@ -1,5 +1,6 @@
 //! The background worker: requests in, immutable snapshots out. Knows neither GPU nor window.
 
+mod arriving;
 mod effect_costs;
 mod pipeline;
 mod recompute;

@@ -1,11 +1,12 @@
 //! One solve from a scene to its light, step by step; the worker and the command line share it.
 
+use super::arriving::Arriving;
 use super::effect_costs;
 use crate::effects::{self, Effect, EffectChoices, EffectPlan};
 use crate::form_factors::{AssembleReport, FormFactors, Method, ReceivingPoints, Row, RowComputer, Sampling};
 use crate::mesh::{self, MeshSettings, PatchMesh, PatchTarget};
 use crate::scene::{Lighting, Scene};
-use crate::solver::{GaussSeidel, LightBases, PatchLight, Refiner, Shooter, SweepReport, System};
+use crate::solver::{GaussSeidel, LightBases, PatchLight, SweepReport, System};
 use glam::DVec3;
 use rayon::prelude::*;
 use std::sync::Arc;
@@ -137,47 +138,8 @@ impl Progress<'_> {
     /// The radiosity that has not been passed on, while rows arrive in a dark scene; copies it.
     pub fn unshot(&self) -> Option<LightBases> {
         match self.picture? {
-            Pictured::Arriving(Arriving::Shot(shooter)) => Some(shooter.unshot()),
-            _ => None,
-        }
-    }
-}
-
-/// What the scene is lit by while rows arrive.
-enum Arriving {
-    /// From dark: each row passes on what its patch has.
-    Shot(Shooter),
-    /// From the light of an earlier solve: each row gathers for its patch.
-    Refined(Refiner),
-}
-
-impl Arriving {
-    fn new(system: &System, standing: Option<LightBases>) -> Self {
-        match standing.and_then(|light| Refiner::new(system, light)) {
-            Some(refiner) => Self::Refined(refiner),
-            None => Self::Shot(Shooter::new(system)),
-        }
-    }
-
-    /// The patches whose rows are to come next.
-    fn brightest(&mut self, system: &System, count: usize) -> Vec<u32> {
-        match self {
-            Self::Shot(shooter) => shooter.brightest(system, count),
-            Self::Refined(refiner) => refiner.brightest(count),
-        }
-    }
-
-    fn take(&mut self, system: &System, patch: u32, row: &Row) {
-        match self {
-            Self::Shot(shooter) => shooter.shoot(system, patch, row),
-            Self::Refined(refiner) => refiner.gather(system, patch, row),
-        }
-    }
-
-    fn bases(&self) -> LightBases {
-        match self {
-            Self::Shot(shooter) => shooter.bases(),
-            Self::Refined(refiner) => refiner.bases().clone(),
+            Pictured::Arriving(arriving) => arriving.unshot(),
+            Pictured::Sweeps(..) => None,
         }
     }
 }
@@ -187,6 +149,8 @@ impl Arriving {
 pub enum Control {
     /// Go on.
     Continue,
+    /// Go on; the solve was made to rest for so long meanwhile, which is none of its time.
+    Rested(Duration),
     /// Stop within milliseconds; the solve returns [`PipelineError::Cancelled`].
     Cancel,
 }
@@ -324,6 +288,19 @@ pub struct Run<'a> {
     /// Seconds by stage so far.
     pub timings: Timings,
     last_news: Option<Instant>,
+    rested: Duration,
+}
+
+/// The seconds of a stage, less those that it rested.
+struct Clock {
+    started: Instant,
+    rested: Duration,
+}
+
+impl Clock {
+    fn seconds(&self, run: &Run<'_>) -> f64 {
+        self.started.elapsed().saturating_sub(run.rested - self.rested).as_secs_f64()
+    }
 }
 
 /// News comes no more often than this.
@@ -336,7 +313,11 @@ impl<'a> Run<'a> {
         cancel: &'a AtomicBool,
         timings: Timings,
     ) -> Self {
-        Self { observer, cancel, timings, last_news: None }
+        Self { observer, cancel, timings, last_news: None, rested: Duration::ZERO }
+    }
+
+    fn clock(&self) -> Clock {
+        Clock { started: Instant::now(), rested: self.rested }
     }
 
     fn tell(
@@ -359,6 +340,10 @@ impl<'a> Run<'a> {
             Progress { stage, fraction, seconds_left, rows, sweeps, timings: self.timings, picture };
         match (self.observer)(progress) {
             Control::Continue => Ok(()),
+            Control::Rested(time) => {
+                self.rested += time;
+                Ok(())
+            }
             Control::Cancel => Err(PipelineError::Cancelled),
         }
     }
@@ -366,17 +351,25 @@ impl<'a> Run<'a> {
     /// All rows; lights the scene on the way. From dark those of the luminaires come first and then by
     /// unshot power. Where the light of an earlier solve is `standing` on these patches, it is refined
     /// instead, the brightest patches first.
+    ///
+    /// Rows of the same mesh and computer that are `known` are not computed again; what there is when the
+    /// run is cancelled is left there, and nothing else.
     pub fn rows(
         &mut self,
         prepared: &Prepared,
         system: &System,
         standing: Option<LightBases>,
+        known: &mut Vec<Option<Row>>,
     ) -> Result<(Vec<Row>, LightBases), PipelineError> {
-        let clock = Instant::now();
         let n = prepared.mesh.patches.len();
         let computer = &prepared.computer;
-        check_memory(computer, system)?;
-        let mut rows = vec![Row::default(); n];
+        let mut left_to_compute = n - known.iter().flatten().count();
+        let before = if left_to_compute < n { self.timings.rows } else { 0.0 };
+        if left_to_compute == n {
+            check_memory(computer, system)?;
+        }
+        known.resize(n, None);
+        let clock = self.clock();
         let mut arriving = Arriving::new(system, standing);
         let lamps: Vec<u32> = match arriving {
             Arriving::Shot(_) => {
@@ -386,32 +379,48 @@ impl<'a> Run<'a> {
         };
         let batch = computer.batch();
         let mut waiting_lamps = lamps.chunks(batch.max(1));
-        let mut done = 0;
+        let (mut done, mut computed) = (0, 0);
         while done < n {
             let lamp_batch = waiting_lamps.next();
             let stage = if lamp_batch.is_some() { Stage::FirstLight } else { Stage::Rows };
             let picked = lamp_batch.map_or_else(|| arriving.brightest(system, batch), <[u32]>::to_vec);
-            let computed: Vec<Row> = picked
+            let missing: Vec<u32> = picked.iter().copied().filter(|&i| known[i as usize].is_none()).collect();
+            let fresh: Vec<Row> = missing
                 .par_iter()
                 .map_init(|| computer.scratch(), |scratch, &i| computer.row(i, scratch))
                 .collect();
-            for (&i, row) in picked.iter().zip(computed) {
-                arriving.take(system, i, &row);
-                rows[i as usize] = row;
+            for (&i, row) in missing.iter().zip(fresh) {
+                known[i as usize] = Some(row);
+            }
+            for &i in &picked {
+                if let Some(row) = &known[i as usize] {
+                    arriving.take(system, i, row);
+                }
             }
             done += picked.len();
-            let elapsed = clock.elapsed().as_secs_f64();
-            self.timings.rows = elapsed;
+            computed += missing.len();
+            left_to_compute -= missing.len();
+            let elapsed = clock.seconds(self);
+            self.timings.rows = before + elapsed;
             let first_light = stage == Stage::FirstLight && done == lamps.len();
             if first_light {
                 self.timings.first_light = elapsed;
             }
+            if computed == 0 && done < n && !self.cancel.load(Ordering::Relaxed) {
+                // Until it has caught up, the picture would be darker than the one that is there.
+                continue;
+            }
             // Rows took nine tenths of the time in every scene measured.
-            let fraction = 0.9 * done as f64 / n as f64;
-            let left = (done > lamps.len().min(n - 1)).then(|| elapsed * (1.0 / fraction - 1.0));
+            let fraction = 0.9 * (n - left_to_compute) as f64 / n as f64;
+            let left = (done > lamps.len().min(n - 1)).then(|| {
+                let rows = elapsed * left_to_compute as f64 / computed.max(1) as f64;
+                rows + (before + elapsed + rows) / 9.0
+            });
             let picture = Some(Pictured::Arriving(&arriving));
-            self.tell(stage, (done, n), (fraction, left), &[], picture, first_light)?;
+            let counts = (n - left_to_compute, n);
+            self.tell(stage, counts, (fraction, left), &[], picture, first_light)?;
         }
+        let rows = std::mem::take(known).into_iter().map(Option::unwrap_or_default).collect();
         Ok((rows, arriving.bases()))
     }
 
@@ -440,7 +449,7 @@ impl<'a> Run<'a> {
         start: Option<&LightBases>,
         tolerance: f64,
     ) -> Result<(LightBases, Vec<SweepReport>), PipelineError> {
-        let clock = Instant::now();
+        let clock = self.clock();
         let n = prepared.mesh.patches.len();
         let cancel = self.cancel;
         let cancelled = || cancel.load(Ordering::Relaxed);
@@ -450,7 +459,7 @@ impl<'a> Run<'a> {
         while reports.last().is_none_or(|r| r.error_bound > tolerance) && reports.len() < MOST_SWEEPS {
             let report = solver.sweep(form_factors, system, &cancelled).ok_or(PipelineError::Cancelled)?;
             reports.push(report);
-            self.timings.sweeps = clock.elapsed().as_secs_f64();
+            self.timings.sweeps = clock.seconds(self);
             // The error falls by about the same factor every sweep.
             let ratio = (first / report.error_bound.max(1e-300)).max(1.01).ln();
             let fall = (first / tolerance).max(1.01).ln();
@@ -517,7 +526,7 @@ pub fn solve(
     run.timings = prepared.timings;
     let reflectance = patch_reflectance(&prepared.mesh, &|_| None);
     let system = system(&prepared, &reflectance);
-    let (rows, start) = run.rows(&prepared, &system, None)?;
+    let (rows, start) = run.rows(&prepared, &system, None, &mut Vec::new())?;
     let (form_factors, assembled) = run.assemble(&prepared, rows)?;
     let (bases, sweeps) = run.sweeps(&prepared, &form_factors, &system, Some(&start), settings.tolerance)?;
     let plan = Arc::new(effect_costs::measured(&prepared, system.lamps, &run.timings));

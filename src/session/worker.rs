@@ -6,7 +6,7 @@ use super::pipeline::{
 use super::recompute::{Recompute, same_geometry};
 use super::threads;
 use crate::effects::EffectPlan;
-use crate::form_factors::{AssembleReport, FormFactors, RowComputer};
+use crate::form_factors::{AssembleReport, FormFactors, Row, RowComputer};
 use crate::mesh::PatchMesh;
 use crate::scene::{self, Scene, SceneSource};
 use crate::solver::{LightBases, SweepReport};
@@ -15,7 +15,7 @@ use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::thread::JoinHandle;
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 /// A changed reflectance, by index into the scene's materials.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -244,6 +244,8 @@ pub(super) struct State {
     pub(super) done: Wanted,
     pub(super) scene: Option<Arc<Scene>>,
     pub(super) prepared: Option<Prepared>,
+    /// Rows of a solve that was interrupted, a patch each.
+    pub(super) rows: Vec<Option<Row>>,
     pub(super) form_factors: Option<Arc<FormFactors>>,
     pub(super) bases: Option<Arc<LightBases>>,
 }
@@ -355,9 +357,13 @@ impl Worker<'_> {
         self.state.done.edits.clone_from(&edits);
 
         if self.state.form_factors.is_none() {
-            todo.rows = prepared.mesh.patches.len();
+            todo.rows = prepared.mesh.patches.len() - self.state.rows.iter().flatten().count();
             let standing = self.state.bases.as_deref().cloned();
-            let (rows, start) = self.with_run(|run| run.rows(&prepared, &system, standing))?;
+            // What a request that leaves the geometry alone has interrupted goes on from there.
+            let mut known = std::mem::take(&mut self.state.rows);
+            let rows = self.with_run(|run| run.rows(&prepared, &system, standing, &mut known));
+            self.state.rows = known;
+            let (rows, start) = rows?;
             let (form_factors, assembled) = self.with_run(|run| run.assemble(&prepared, rows))?;
             let form_factors = Arc::new(form_factors);
             self.state.form_factors = Some(form_factors.clone());
@@ -435,6 +441,7 @@ impl Worker<'_> {
         if same {
             todo.kept_rows = self.state.form_factors.is_some();
         } else {
+            self.state.rows = Vec::new();
             self.state.form_factors = None;
             self.snapshot.form_factors = None;
             self.snapshot.assembled = None;
@@ -488,8 +495,7 @@ impl Worker<'_> {
                 self.snapshot.unshot = progress.unshot().map(Arc::new);
             }
             self.publish(progress.stage);
-            self.rest_while_paused(progress.stage);
-            Control::Continue
+            Control::Rested(self.rest_while_paused(progress.stage))
         };
         let mut run = Run::new(&mut observer, &shared.cancel, timings);
         let result = part(&mut run);
@@ -498,10 +504,12 @@ impl Worker<'_> {
         Ok(result?)
     }
 
-    fn rest_while_paused(&mut self, stage: Stage) {
+    /// Waits while the user wants it to rest; how long that was.
+    fn rest_while_paused(&mut self, stage: Stage) -> Duration {
         if !self.shared.paused.load(Ordering::Acquire) {
-            return;
+            return Duration::ZERO;
         }
+        let clock = Instant::now();
         self.publish(stage);
         let shared = self.shared.clone();
         let mut wanted = locked(&shared.wanted);
@@ -510,6 +518,7 @@ impl Worker<'_> {
         }
         drop(wanted);
         self.publish(stage);
+        clock.elapsed()
     }
 
     fn publish(&mut self, stage: Stage) {

@@ -94,6 +94,32 @@ impl LightBases {
     }
 }
 
+/// Where the power of a light goes, W over all bands.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Power {
+    /// By all lamps as they stand.
+    pub emitted: f64,
+    /// By all surfaces; the rest of a converged light leaves through openings.
+    pub absorbed: f64,
+}
+
+impl PatchLight {
+    /// The power of this light: with E = B - rho H the lamps emit the sum of A E and the surfaces absorb that
+    /// of A (1 - rho) H.
+    pub fn power(&self, mesh: &PatchMesh, reflectance: &[[f32; 3]]) -> Power {
+        let lit = self.irradiance.iter().zip(&self.radiosity).zip(reflectance);
+        let mut power = Power::default();
+        for (patch, ((h, b), rho)) in mesh.patches.iter().zip(lit) {
+            for band in 0..3 {
+                let [h, b, rho] = [h[band], b[band], rho[band]].map(f64::from);
+                power.emitted += patch.area * (b - rho * h);
+                power.absorbed += patch.area * (1.0 - rho) * h;
+            }
+        }
+        power
+    }
+}
+
 /// Exitance of a patch as its lamp is switched, dimmed and coloured, W/m² per band.
 pub fn patch_emission(patch: &crate::mesh::Patch, lighting: &Lighting) -> [f32; 3] {
     let Some(lamp) = patch.luminaire.and_then(|l| lighting.lamps.get(l as usize)) else {

@@ -330,6 +330,7 @@ impl App {
             scene: prepared.map(|p| &*p.scene),
             mesh: prepared.map(|p| &*p.mesh),
             light: &self.picture.light,
+            power: self.picture.power,
             light_version: self.picture.light_version,
             reflectance: &self.picture.reflectance,
             aspect: prepared.map_or(&[], |p| &p.aspect),

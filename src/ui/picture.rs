@@ -17,7 +17,7 @@ use crate::mesh::{Patch, PatchMesh, Side};
 use crate::render::{MeshUploader, Picker, UploadError, UploadedMesh};
 use crate::scene::{Lighting, Scene, luminance_weighted};
 use crate::session::Snapshot;
-use crate::solver::{LightBases, PatchLight};
+use crate::solver::{LightBases, PatchLight, Power};
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, TryRecvError, channel};
 
@@ -101,6 +101,8 @@ pub(super) struct Picture {
     pub(super) reflectance: Arc<Vec<[f32; 3]>>,
     /// As the lamps stand.
     pub(super) light: PatchLight,
+    /// Where its power goes.
+    pub(super) power: Power,
     /// Grows with every change of `light`.
     pub(super) light_version: u64,
     /// State A.
@@ -184,6 +186,7 @@ impl Picture {
     pub(super) fn relight(&mut self, lighting: &Lighting) {
         if let (Some(prepared), Some(bases)) = (&self.prepared, &self.bases) {
             self.light = bases.mix(&prepared.mesh, lighting, &self.reflectance);
+            self.power = self.light.power(&prepared.mesh, &self.reflectance);
             self.light_version += 1;
         }
     }

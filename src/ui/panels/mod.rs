@@ -26,7 +26,7 @@ use crate::display::{Exposure, FalseColour};
 use crate::mesh::PatchMesh;
 use crate::scene::{Scene, View};
 use crate::session::Snapshot;
-use crate::solver::PatchLight;
+use crate::solver::{PatchLight, Power};
 
 /// Everything that panels show, borrowed for one frame.
 pub(super) struct Model<'a> {
@@ -38,6 +38,8 @@ pub(super) struct Model<'a> {
     pub(super) mesh: Option<&'a PatchMesh>,
     /// Their light as the lamps stand.
     pub(super) light: &'a PatchLight,
+    /// Where its power goes.
+    pub(super) power: Power,
     /// Grows with every change of `light`.
     pub(super) light_version: u64,
     /// Their reflectance as solved for.

@@ -4,7 +4,7 @@ use super::{Commands, Model, empty};
 use crate::form_factors::{Method, ReceivingPoints};
 use crate::mesh::PatchTarget;
 use crate::session::{Snapshot, SolveSettings, Stage};
-use crate::solver::SweepReport;
+use crate::solver::{Power, SweepReport};
 use crate::ui::command::Command;
 use crate::ui::{theme, units};
 use egui::{Color32, ComboBox, ProgressBar, RichText};
@@ -81,7 +81,7 @@ pub(in crate::ui) fn show(ui: &mut egui::Ui, model: &Model<'_>, out: &mut Comman
     });
     let bar = ProgressBar::new(fraction_of(snapshot).unwrap_or(0.0) as f32).desired_height(8.0);
     ui.add(bar.fill(if running { theme::ACCENT } else { Color32::from_gray(80) }));
-    numbers(ui, snapshot);
+    numbers(ui, snapshot, model.power);
     residual_plot(ui, &snapshot.sweeps);
     // Its line is kept while there is nothing to say.
     let change = if model.last_change.is_empty() { " " } else { model.last_change };
@@ -108,7 +108,7 @@ pub(in crate::ui) fn show(ui: &mut egui::Ui, model: &Model<'_>, out: &mut Comman
 }
 
 /// Four lines that are there from the start, so that nothing below them moves when they fill.
-fn numbers(ui: &mut egui::Ui, snapshot: &Snapshot) {
+fn numbers(ui: &mut egui::Ui, snapshot: &Snapshot, power: Power) {
     let none = || "-".to_owned();
     let (done, all) = snapshot.rows;
     let rows = if all > 0 { format!("{} of {}", units::count(done), units::count(all)) } else { none() };
@@ -121,15 +121,16 @@ fn numbers(ui: &mut egui::Ui, snapshot: &Snapshot) {
     theme::row(ui, "Error of the solution at most", bound).on_hover_text(
         "Guaranteed, of the largest radiosity reflected; that of patches and form factors not counted",
     );
-    let power = last.map_or_else(none, |s| {
-        format!("{} W, {} W escapes", units::digits(s.emitted), units::digits(s.escaped))
-    });
-    let told = theme::row(ui, "Power", power);
-    if let Some(last) = last {
-        let [emitted, absorbed, escaped] = [last.emitted, last.absorbed, last.escaped].map(units::digits);
+    let escaped = (power.emitted - power.absorbed).max(0.0);
+    // Less is what single precision and the last sweep leave.
+    let escaped = if escaped > 1e-4 * power.emitted { units::digits(escaped) } else { "0".to_owned() };
+    let [emitted, absorbed] = [power.emitted, power.absorbed].map(units::digits);
+    let told = last.map_or_else(none, |_| format!("{emitted} W, {escaped} W escapes"));
+    let told = theme::row(ui, "Power", told);
+    if last.is_some() {
         told.on_hover_text(format!(
-            "{emitted} W emitted by the lamps that the sweeps run for, {absorbed} W absorbed, {escaped} W escape \
-             through openings"
+            "{emitted} W of light emitted by the lamps as they stand, {absorbed} W absorbed by surfaces, {escaped} W \
+             leaves through openings"
         ));
     }
 }
