@@ -69,7 +69,9 @@ fn coarse(patches: usize) -> SolveSettings {
 /// Rows and sweeps out of a sentence such as "materials: 0 rows, 3 sweeps, 40 ms".
 #[track_caller]
 fn recomputed(snapshot: &Snapshot) -> (usize, usize) {
-    let words: Vec<&str> = snapshot.last_change.split([' ', ',']).collect();
+    // Thousands are set apart.
+    let sentence = snapshot.last_change.replace(", ", " ").replace(',', "");
+    let words: Vec<&str> = sentence.split(' ').collect();
     let before = |name: &str| -> usize {
         let at = words.iter().position(|w| *w == name).unwrap_or_else(|| panic!("{words:?}"));
         let number = words[..at].iter().rev().find_map(|w| w.parse().ok());

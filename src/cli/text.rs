@@ -1,4 +1,5 @@
 use super::failure::Failure;
+use crate::scene;
 use std::io::{self, IsTerminal as _, Write as _};
 
 /// Writes to standard output.
@@ -24,15 +25,7 @@ pub(super) fn complain(message: &str) {
 
 /// `20,312`.
 pub(super) fn thousands(number: usize) -> String {
-    let digits = number.to_string();
-    let mut text = String::with_capacity(digits.len() + digits.len() / 3);
-    for (i, digit) in digits.chars().enumerate() {
-        if i > 0 && (digits.len() - i).is_multiple_of(3) {
-            text.push(',');
-        }
-        text.push(digit);
-    }
-    text
+    scene::grouped(number as i64)
 }
 
 /// `1 lamp`, `2,000 lamps`.

@@ -41,8 +41,8 @@ pub use finding::{Finding, FindingKind, MOST_PLACES, Places, Severity};
 pub use import::{from_text, load, sidecar_path};
 pub use luminaires::lumens;
 pub use mend::{Mended, mend};
-pub(crate) use names::list as name_list;
 pub use names::nearest as nearest_names;
+pub(crate) use names::{grouped, list as name_list};
 pub use sidecar_write::{sidecar_text, write_frame, write_sidecar};
 pub use summary::{LuminaireSummary, MaterialSummary, Summary};
 pub use types::{

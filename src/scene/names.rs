@@ -1,4 +1,5 @@
-//! Names in messages: lists that stay short, and the nearest names to one that is not there.
+//! Names and numbers in messages: lists that stay short, the nearest names to one that is not there, and
+//! thousands set apart.
 
 use std::collections::HashSet;
 
@@ -19,6 +20,22 @@ pub(crate) fn list<'a>(names: impl IntoIterator<Item = &'a str>) -> String {
         Some(last) => last,
         None => "none".to_owned(),
     }
+}
+
+/// A whole number with commas between thousands: `20,312`.
+pub(crate) fn grouped(value: i64) -> String {
+    let digits = value.unsigned_abs().to_string();
+    let mut text = String::new();
+    if value < 0 {
+        text.push('-');
+    }
+    for (k, digit) in digits.chars().enumerate() {
+        if k > 0 && (digits.len() - k).is_multiple_of(3) {
+            text.push(',');
+        }
+        text.push(digit);
+    }
+    text
 }
 
 /// A word of a file made fit for a message: at most 40 characters, none of them control characters.

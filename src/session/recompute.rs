@@ -2,6 +2,7 @@
 
 use super::worker::{State, Wanted};
 use crate::mesh::PatchMesh;
+use crate::scene::grouped;
 
 /// What a request calls for, and what it came to in the end.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -48,7 +49,8 @@ impl Recompute {
         } else {
             format!("{seconds:.1}\u{a0}s")
         };
-        format!("{what}: {} rows{kept}, {} sweeps, {time}", self.rows, self.sweeps)
+        let rows = grouped(self.rows as i64);
+        format!("{what}: {rows} rows{kept}, {} sweeps, {time}", self.sweeps)
     }
 }
 

@@ -1,5 +1,7 @@
 //! Numbers as people read them: three digits, a unit, no jumping decimals.
 
+pub(super) use crate::scene::grouped;
+
 /// A quantity to three significant digits, in plain decimals between 0.001 and 99,999.
 pub(super) fn digits(value: f64) -> String {
     if !value.is_finite() {
@@ -37,22 +39,6 @@ pub(super) fn light(value: f64) -> String {
 /// A count with commas between thousands.
 pub(super) fn count(value: usize) -> String {
     grouped(value as i64)
-}
-
-/// A whole number with commas between thousands.
-pub(super) fn grouped(value: i64) -> String {
-    let digits = value.unsigned_abs().to_string();
-    let mut text = String::new();
-    if value < 0 {
-        text.push('-');
-    }
-    for (k, digit) in digits.chars().enumerate() {
-        if k > 0 && (digits.len() - k).is_multiple_of(3) {
-            text.push(',');
-        }
-        text.push(digit);
-    }
-    text
 }
 
 /// A time left or taken: "0.4 ms", "3.2 s", "2 min 05 s".
