@@ -7,8 +7,8 @@ use glam::DVec3;
 use lumenwalk::accuracy::{AuditSettings, ErrorBudget, Receiver, Shown, Sobol, Witness, algebraic_error};
 use lumenwalk::display::DisplayMesh;
 use lumenwalk::effects::Effect;
-use lumenwalk::form_factors::Method;
 use lumenwalk::form_factors::closed_form::point_to_polygon;
+use lumenwalk::form_factors::{Method, ReceivingPoints};
 use lumenwalk::mesh::{PatchTarget, Side};
 use lumenwalk::scene::luminance_weighted;
 use lumenwalk::session::{SolveSettings, Solved};
@@ -432,7 +432,9 @@ fn an_error_of_one_percent_is_true_and_costs_at_most_twice_the_cheapest() {
             );
         }
 
-        let fine = solved(&scene, &settings(PatchTarget::Count(14_000), Method::Lines, 384));
+        // Gathered at points, so that lines count and points of a patch do not.
+        let how = settings(PatchTarget::Count(14_000), Method::Lines, 1024);
+        let fine = solved(&scene, &SolveSettings { points: ReceivingPoints::One, ..how });
         let light = fine.light(&lighting);
         let truth = |places: &[(DVec3, DVec3)]| {
             fine.irradiance_at(places, &light).into_iter().map(luminance_weighted).collect()

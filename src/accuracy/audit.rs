@@ -173,8 +173,16 @@ const BATCH: usize = 64;
 const MOST_RAYS: u32 = 1 << 16;
 /// To be known as above or below a mark, an error must be known to this relative half width.
 const LOOSE: f64 = 0.3;
+/// Fewer receivers decide nothing: they may have missed the few places that are worst.
+const DECISIVE: usize = 512;
 /// Receivers for which the time should do, where it is short.
 const FEWEST: f64 = 160.0;
+/// Share of its irradiance by which a patch is taken to be off before anything is known.
+const BRIGHT: f64 = 0.1;
+/// Once so many receivers have told where the picture is wrong, and at each doubling of them, further ones
+/// are drawn by that: so large a share of them, the rest as before.
+const INFORMED_FROM: usize = 128;
+const INFORMED: f64 = 0.5;
 
 /// An audit ready to run.
 #[derive(Debug)]
@@ -183,7 +191,7 @@ pub struct Audit<'a> {
     witness: Witness<'a>,
     radiosity: Vec<[f64; 3]>,
     counts: Vec<bool>,
-    /// Running sum of the probabilities by which patches are drawn.
+    /// Probability by which each patch is drawn as long as nothing is known; their sum is one.
     chance: Vec<f64>,
     area: f64,
     mean: f64,
@@ -209,7 +217,8 @@ impl<'a> Audit<'a> {
         }
         let witness = Witness::new(mesh, answer.light, answer.reflectance, answer.exitance, answer.shown);
 
-        // Patches are drawn by area and by how much the picture changes on them.
+        // Patches are drawn by area, by how much the picture changes on them and by how bright they are: the
+        // inside of a lamp's housing may look even and yet be off by most of its light.
         let unrest = |i: usize| {
             let [low, high] = witness.shown_range(i as u32);
             let change = high - low;
@@ -217,15 +226,12 @@ impl<'a> Audit<'a> {
         };
         let typical: f64 = receiving().map(|i| mesh.patches[i].area * unrest(i)).sum::<f64>() / area;
         let floor = typical + 1e-6 * mean;
-        let mut sum = 0.0;
+        let bright = |i: usize| BRIGHT * lum(answer.light.irradiance[i]).max(0.0);
         let chance: Vec<f64> = (0..n)
-            .map(|i| {
-                if counts[i] {
-                    sum += mesh.patches[i].area * (unrest(i) + floor);
-                }
-                sum
-            })
+            .map(|i| if counts[i] { mesh.patches[i].area * (unrest(i) + bright(i) + floor) } else { 0.0 })
             .collect();
+        let whole: f64 = chance.iter().sum();
+        let chance: Vec<f64> = chance.iter().map(|c| c / whole).collect();
 
         let all: f64 = mesh.patches.iter().map(|p| p.area).sum();
         let mean_of =
@@ -256,24 +262,31 @@ impl<'a> Audit<'a> {
             &self.counts,
             self.mean,
         );
+        let mut draw = running_sum(&self.chance);
         let rough = Care { noise: [f64::INFINITY; 2], local: f64::INFINITY, rays: [PILOT_RAYS; 2] };
         let pilot_clock = Instant::now();
-        let pilot = self.batch(PILOT, rough, mix(settings.seed), settings.parallel, &out_of_time);
+        let pilot = self.batch(&draw, PILOT, rough, mix(settings.seed), settings.parallel, &out_of_time);
         let rays_per_second = count_rays(&pilot) as f64 / pilot_clock.elapsed().as_secs_f64().max(1e-6);
         let rays_left = rays_per_second * (settings.seconds - clock.elapsed().as_secs_f64()).max(0.0);
         let care = self.care(&pilot, rays_left, settings);
 
         let mut found: Vec<Found> = Vec::new();
-        let mut batch = 1;
+        let (mut batch, mut informed_at) = (1, INFORMED_FROM);
         let most = settings.receivers.max(BATCH);
         while found.len() < most && !out_of_time() {
             let seed = mix(settings.seed).wrapping_add(batch);
             let count = BATCH.min(most - found.len());
-            found.extend(self.batch(count, care, seed, settings.parallel, &out_of_time));
+            if found.len() >= informed_at {
+                draw = self.informed(&found);
+                informed_at *= 2;
+            }
+            found.extend(self.batch(&draw, count, care, seed, settings.parallel, &out_of_time));
             batch += 1;
             let total = self.estimate(&found, |f| f.total);
             let width = total.relative_half_width();
-            let decided = width < LOOSE && settings.decide.is_some_and(|d| total.low > d || total.high < d);
+            let decided = found.len() >= DECISIVE
+                && width < LOOSE
+                && settings.decide.is_some_and(|d| total.low > d || total.high < d);
             let factors = || self.estimate(&found, |f| f.form_factors);
             let known =
                 |e: Estimate| e.relative_half_width() < settings.precision || e.high < settings.resolve;
@@ -294,18 +307,7 @@ impl<'a> Audit<'a> {
         total.error = with(total.error, solver.estimate.error);
         total.low = with(total.low, solver.estimate.low);
         total.high = with(total.high, solver.estimate.high);
-        let count = found.len() as f64;
-        let receivers: Vec<Checked> = found
-            .iter()
-            .map(|f| Checked {
-                patch: f.patch,
-                weight: f.total.weight / count,
-                shown: f.total.deviation,
-                square: f.total.square,
-                of_light: f.of_light,
-                form_factors: f.form_factors.deviation,
-            })
-            .collect();
+        let receivers = checked(&found);
         let budget = ErrorBudget {
             form_factors: self.estimate(&found, |f| f.form_factors),
             mesh: self.estimate(&found, |f| f.mesh),
@@ -321,6 +323,25 @@ impl<'a> Audit<'a> {
         };
         let map = map(self.answer.mesh, &self.counts, &self.signs(), &receivers, budget.total.error);
         Some(Findings { budget, receivers, map })
+    }
+
+    /// Running sum of the probabilities by which patches are drawn once some have told where the picture is
+    /// wrong: least variance takes area times error (Neyman 1934). What each receiver stands for heeds the
+    /// probability by which it was drawn itself, so that nothing is favoured by this.
+    fn informed(&self, found: &[Found]) -> Vec<f64> {
+        let map = map(self.answer.mesh, &self.counts, &self.signs(), &checked(found), 1.0);
+        let patches = self.answer.mesh.patches.iter();
+        let by_error: Vec<f64> = patches
+            .zip(&map.error)
+            .map(|(p, &e)| if e > 0.0 { p.area * f64::from(e) } else { 0.0 })
+            .collect();
+        let whole: f64 = by_error.iter().sum();
+        if !(whole > 0.0 && whole.is_finite()) {
+            return running_sum(&self.chance);
+        }
+        let mixed =
+            self.chance.iter().zip(by_error).map(|(c, e)| (1.0 - INFORMED) * c + INFORMED * e / whole);
+        running_sum(&mixed.collect::<Vec<f64>>())
     }
 
     /// What each patch shows of its error by itself.
@@ -362,6 +383,7 @@ impl<'a> Audit<'a> {
     /// for, in an order that has nothing to do with what they find.
     fn batch(
         &self,
+        draw: &[f64],
         count: usize,
         care: Care,
         seed: u64,
@@ -375,7 +397,7 @@ impl<'a> Audit<'a> {
                 return None;
             }
             let key = mix(seed).wrapping_add(16 * stratum as u64);
-            self.ask((stratum as f64 + unit(key)) / count as f64, care, key)
+            self.ask(draw, (stratum as f64 + unit(key)) / count as f64, care, key)
         };
         if parallel {
             let mut found: Vec<(usize, Found)> =
@@ -388,11 +410,11 @@ impl<'a> Audit<'a> {
         }
     }
 
-    /// Asks the receiver at `place` in 0..1 of the running probability.
-    fn ask(&self, place: f64, care: Care, key: u64) -> Option<Found> {
-        let all = *self.chance.last()?;
-        let i = self.chance.partition_point(|&c| c <= place * all).min(self.chance.len() - 1);
-        let own = self.chance[i] - if i > 0 { self.chance[i - 1] } else { 0.0 };
+    /// Asks the receiver at `place` in 0..1 of the running probability `draw`.
+    fn ask(&self, draw: &[f64], place: f64, care: Care, key: u64) -> Option<Found> {
+        let all = *draw.last()?;
+        let i = draw.partition_point(|&c| c <= place * all).min(draw.len() - 1);
+        let own = draw[i] - if i > 0 { draw[i - 1] } else { 0.0 };
         if own <= 0.0 {
             return None;
         }
@@ -456,6 +478,31 @@ impl<'a> Audit<'a> {
             rays: cast,
         })
     }
+}
+
+/// Sums of the first, of the first two, and so on.
+fn running_sum(values: &[f64]) -> Vec<f64> {
+    let mut sum = 0.0;
+    values
+        .iter()
+        .map(|v| {
+            sum += v;
+            sum
+        })
+        .collect()
+}
+
+fn checked(found: &[Found]) -> Vec<Checked> {
+    let count = found.len() as f64;
+    let one = |f: &Found| Checked {
+        patch: f.patch,
+        weight: f.total.weight / count,
+        shown: f.total.deviation,
+        square: f.total.square,
+        of_light: f.of_light,
+        form_factors: f.form_factors.deviation,
+    };
+    found.iter().map(one).collect()
 }
 
 /// Rays of one gathering, those towards lamps included.
