@@ -60,7 +60,7 @@ const MESH_GROWTH: f64 = 0.5;
 const FOUND: f64 = 1.5;
 /// Seconds a form factor on the machine of the benches: balancing it; sweeping it for no column and for
 /// each further one; once more where the power balance is built of it.
-const BALANCE: f64 = 8e-8;
+const BALANCE: f64 = 5.5e-8;
 const SWEEPS: [f64; 2] = [7e-9, 4e-9];
 const AGGREGATE: f64 = 1.6e-7;
 /// Form factors stored over those that rows hold: seen in six meshes of two scenes.
