@@ -123,3 +123,15 @@ pub(super) fn row(ui: &mut egui::Ui, name: &str, value: impl Into<String>) -> eg
     })
     .response
 }
+
+/// A plot to look at, of this height in points: the mouse does not move it.
+pub(super) fn plot(name: &str, height: f32) -> egui_plot::Plot<'_> {
+    egui_plot::Plot::new(name)
+        .height(height)
+        .show_crosshair(false)
+        .grid_color(GRID)
+        .allow_drag(false)
+        .allow_zoom(false)
+        .allow_scroll(false)
+        .allow_boxed_zoom(false)
+}

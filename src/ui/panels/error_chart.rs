@@ -7,8 +7,7 @@ use crate::ui::runs::{Finished, nearest};
 use crate::ui::{theme, units};
 use egui::{Align2, Color32, RichText, vec2};
 use egui_plot::{
-    AxisHints, GridMark, HoverPosition, Line, LineStyle, MarkerShape, Plot, PlotPoint, PlotPoints, Points,
-    Text,
+    AxisHints, GridMark, HoverPosition, Line, LineStyle, MarkerShape, PlotPoint, PlotPoints, Points, Text,
 };
 use std::ops::RangeInclusive;
 
@@ -67,14 +66,7 @@ pub(super) fn show(ui: &mut egui::Ui, model: &Model<'_>, out: &mut Commands) {
             .chain(runs.finished.iter().flat_map(|run| logarithms(&run.curve(0.0)))),
     );
     let current = runs.last().and_then(place);
-    let response = Plot::new("error against seconds")
-        .height(HEIGHT)
-        .show_crosshair(false)
-        .grid_color(theme::GRID)
-        .allow_drag(false)
-        .allow_zoom(false)
-        .allow_scroll(false)
-        .allow_boxed_zoom(false)
+    let response = theme::plot("error against seconds", HEIGHT)
         .allow_double_click_reset(false)
         .set_margin_fraction(vec2(0.08, 0.12))
         .x_grid_spacer(|axis| marks(axis.bounds))

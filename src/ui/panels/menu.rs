@@ -201,30 +201,29 @@ fn mesh(ui: &mut egui::Ui, model: &Model<'_>, out: &mut Commands) {
     let other = DisplaySettings { shading, ..display };
     choice(ui, out, "Flat shading", "G", flat, Command::SetDisplay(other));
     ui.separator();
-    for quantity in [
+    const OF_THE_MESH: [Quantity; 6] = [
         Quantity::PatchIds,
         Quantity::Normals,
         Quantity::Sides,
         Quantity::Aspect,
         Quantity::Area,
         Quantity::Reflectance,
-    ] {
-        let command = Command::SetDisplay(display.showing(quantity));
-        choice(ui, out, quantity.name(), "", display.quantity == quantity, command);
-    }
-    ui.separator();
-    for quantity in [
+    ];
+    const OF_ITS_FAULTS: [Quantity; 6] = [
         Quantity::Error,
         Quantity::Escape,
         Quantity::Closure,
         Quantity::Reciprocity,
         Quantity::Residual,
         Quantity::Unshot,
-    ] {
-        let command = Command::SetDisplay(display.showing(quantity));
-        choice(ui, out, quantity.name(), "", display.quantity == quantity, command);
+    ];
+    for quantities in [OF_THE_MESH, OF_ITS_FAULTS] {
+        for quantity in quantities {
+            let command = Command::SetDisplay(display.showing(quantity));
+            choice(ui, out, quantity.name(), "", display.quantity == quantity, command);
+        }
+        ui.separator();
     }
-    ui.separator();
     // Without a patch there is no row to show; it is looked into first, under the cursor (R).
     let row = Button::new("Row on the scene").selected(display.quantity.is_row()).shortcut_text("R");
     if ui.add_enabled(model.inspected.is_some(), row).clicked() {

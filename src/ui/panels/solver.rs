@@ -154,14 +154,7 @@ fn residual_plot(ui: &mut egui::Ui, sweeps: &[SweepReport]) {
         .collect();
     let [low, high] = decades(logs.iter().map(|point| point[1]));
     let points = egui_plot::PlotPoints::from(logs);
-    egui_plot::Plot::new("residual by sweep")
-        .height(PLOT_HEIGHT)
-        .show_crosshair(false)
-        .grid_color(theme::GRID)
-        .allow_drag(false)
-        .allow_zoom(false)
-        .allow_scroll(false)
-        .allow_boxed_zoom(false)
+    theme::plot("residual by sweep", PLOT_HEIGHT)
         .show_x(false)
         .show_y(false)
         // Its labels come and go with the number of sweeps, which stands above.
