@@ -1,9 +1,11 @@
+use super::grading::{self, LampFace, Lamps};
 use super::patches;
 use super::pieces::{self, Cut, Grid};
 use super::reach::{Buried, Reach, Search};
 use super::regions::{self, Outline};
 use super::types::{MeshStatistics, NO_PATCH, Patch, PatchMesh, Side};
 use crate::scene::Scene;
+use rayon::prelude::*;
 
 /// How finely surfaces are split.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -97,7 +99,8 @@ pub fn build(scene: &Scene, settings: &MeshSettings) -> Result<PatchMesh, MeshEr
     let sides: Vec<[bool; 2]> = reached.iter().map(|r| r.map(|side| side == Reach::Lit)).collect();
 
     // 2. Choose the patch size and cut.
-    let patch_size = patch_size(scene, settings.target, &outlines, &sides)?;
+    let lamps = Lamps::new(scene, &outlines, &sides, size);
+    let patch_size = patch_size(scene, settings.target, &outlines, &sides, &lamps)?;
     let mut mesh = PatchMesh { size, ..PatchMesh::default() };
     let contacts = if as_given { Vec::new() } else { pieces::contacts(&outlines, patch_size, size) };
     for (index, outline) in outlines.iter().enumerate() {
@@ -107,7 +110,8 @@ pub fn build(scene: &Scene, settings: &MeshSettings) -> Result<PatchMesh, MeshEr
             patches::group_by_surface(&mesh, region.pieces.clone())
         } else {
             let grid = Grid::new(outline, patch_size);
-            let cuts: Vec<Cut> = pieces::cut(outline, &grid, &contacts[index]);
+            let near = lamps.beside(outline, sides[index], patch_size);
+            let cuts: Vec<Cut> = pieces::cut(outline, &grid, &contacts[index], &near, patch_size);
             pieces::append(&mut mesh, outline, &grid, &cuts);
             patches::group_by_cell(&mesh, mesh.regions[index].pieces.clone(), &grid, &cuts, &contacts[index])
         };
@@ -157,7 +161,25 @@ fn blockers(outlines: &[Outline], size: f64) -> Vec<Vec<glam::DVec3>> {
     large.into_iter().map(|(_, corners)| corners).collect()
 }
 
-/// About how many patches of edge `size` the lit sides give.
+/// How many patches more than [`estimate`] says the lit sides have beside lamps.
+fn estimate_beside(outlines: &[Outline], sides: &[[bool; 2]], lamps: &Lamps, size: f64) -> f64 {
+    let more = |(outline, sides): (&Outline, &[bool; 2])| {
+        let near: Vec<&LampFace> = lamps.beside(outline, *sides, size);
+        if near.is_empty() {
+            return 0.0;
+        }
+        let grid = Grid::new(outline, size);
+        let cells = 0..grid.cells[0] * grid.cells[1];
+        let halves = |cell| grading::leaves(outline, &near, grid.corner(cell), grid.cell, size).len() - 1;
+        let leaves: usize = cells.map(halves).sum();
+        let extent = outline.max - outline.min;
+        let filled = (outline.area / (extent.x * extent.y).max(f64::MIN_POSITIVE)).min(1.0);
+        leaves as f64 * filled * f64::from(u8::from(sides[0]) + u8::from(sides[1]))
+    };
+    outlines.par_iter().zip(sides).map(more).collect::<Vec<f64>>().iter().sum()
+}
+
+/// About how many patches of edge `size` the lit sides give away from lamps.
 fn estimate(outlines: &[Outline], sides: &[[bool; 2]], size: f64) -> f64 {
     outlines
         .iter()
@@ -176,8 +198,9 @@ fn patch_size(
     target: PatchTarget,
     outlines: &[Outline],
     sides: &[[bool; 2]],
+    lamps: &Lamps,
 ) -> Result<f64, MeshError> {
-    let for_count = |count: f64| {
+    let plain = |count: f64| {
         let (mut low, mut high) = (1e-6_f64, 10.0);
         let longest = outlines.iter().map(|o| (o.max - o.min).max_element()).fold(0.0, f64::max);
         for _ in 0..60 {
@@ -190,6 +213,15 @@ fn patch_size(
         }
         high * longest
     };
+    let for_count = |count: f64| {
+        // What lamps ask for comes out of the same number; the rest makes do with larger patches.
+        let mut rest = count;
+        for _ in 0..6 {
+            let more = estimate_beside(outlines, sides, lamps, plain(rest));
+            rest = (0.5 * (rest + count - more)).max(0.25 * count);
+        }
+        plain(rest)
+    };
     let size = match target {
         PatchTarget::Size(size) if !(size > 0.0 && size.is_finite()) => return Err(MeshError::Size(size)),
         PatchTarget::Size(size) => size,
@@ -197,7 +229,10 @@ fn patch_size(
         PatchTarget::AsGiven => f64::INFINITY,
         PatchTarget::Auto => scene.patch_size.unwrap_or_else(|| for_count(3000.0)),
     };
-    let patches = estimate(outlines, sides, size.max(f64::MIN_POSITIVE));
+    let mut patches = estimate(outlines, sides, size.max(f64::MIN_POSITIVE));
+    if patches <= PATCH_LIMIT as f64 && target != PatchTarget::AsGiven {
+        patches += estimate_beside(outlines, sides, lamps, size);
+    }
     if patches > PATCH_LIMIT as f64 {
         return Err(MeshError::TooMany { size, patches: patches as usize, limit: PATCH_LIMIT });
     }

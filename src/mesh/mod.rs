@@ -2,11 +2,13 @@
 //!
 //! Coplanar neighbours of one object and material are joined into a [`Region`], the unit of
 //! occlusion. A region carries a grid; every cell of it, clipped to the region's outline, makes one
-//! [`Piece`] or several, and pieces are grouped into [`Patch`]es, at most one a side.
+//! [`Piece`] or several, and pieces are grouped into [`Patch`]es, at most one a side. Beside lamps cells
+//! are halved until none of them is too large for the light that falls on it.
 
 mod build;
 mod checkup;
 mod correspondence;
+mod grading;
 mod neighbours;
 mod patches;
 mod pieces;

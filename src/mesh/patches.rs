@@ -9,9 +9,9 @@ use glam::{DVec2, DVec3};
 use std::collections::{BTreeMap, HashMap};
 use std::ops::Range;
 
-/// A patch smaller than this fraction of a full cell joins a neighbour, if there is one.
+/// A patch smaller than this fraction of its full cell joins a neighbour, if there is one.
 const SLIVER: f64 = 0.25;
-/// No patch grows beyond this fraction of a full cell by taking slivers in.
+/// No patch grows beyond this fraction of its full cell by taking slivers in.
 const LARGEST: f64 = 1.7;
 
 /// Piece indices that make one patch.
@@ -34,20 +34,22 @@ pub(super) fn group_by_cell(
     cuts: &[Cut],
     contacts: &[[DVec2; 2]],
 ) -> Vec<Group> {
-    let mut index_of: BTreeMap<(u32, u64), usize> = BTreeMap::new();
+    let mut index_of: BTreeMap<(u32, u32, u64), usize> = BTreeMap::new();
     let mut groups: Vec<Group> = Vec::new();
+    // Area that each would have if its surface filled its cell.
+    let mut full: Vec<f64> = Vec::new();
     for (p, cut) in pieces.clone().zip(cuts) {
         let next = groups.len();
-        let index = *index_of.entry((cut.cell, cut.sides)).or_insert(next);
+        let index = *index_of.entry((cut.cell, cut.leaf, cut.sides)).or_insert(next);
         if index == next {
             groups.push(Vec::new());
+            full.push(cut.extent.x * cut.extent.y);
         }
         groups[index].push(p);
     }
-    let full = grid.cell.x * grid.cell.y;
     let area = |group: &Group| group.iter().map(|&p| mesh.pieces[p as usize].area).sum::<f64>();
     let mut areas: Vec<f64> = groups.iter().map(area).collect();
-    if areas.iter().all(|&a| a >= SLIVER * full) {
+    if areas.iter().zip(&full).all(|(a, full)| *a >= SLIVER * full) {
         return groups;
     }
 
@@ -74,16 +76,16 @@ pub(super) fn group_by_cell(
             }
         }
     }
-    let mut order: Vec<usize> = (0..groups.len()).filter(|&g| areas[g] < SLIVER * full).collect();
+    let mut order: Vec<usize> = (0..groups.len()).filter(|&g| areas[g] < SLIVER * full[g]).collect();
     order.sort_by(|&a, &b| areas[a].total_cmp(&areas[b]).then(a.cmp(&b)));
     for sliver in order {
-        if groups[sliver].is_empty() || areas[sliver] >= SLIVER * full {
+        if groups[sliver].is_empty() || areas[sliver] >= SLIVER * full[sliver] {
             continue;
         }
         let host = borders[sliver]
             .iter()
             .filter(|&(&h, _)| {
-                h != sliver && !groups[h].is_empty() && areas[h] + areas[sliver] <= LARGEST * full
+                h != sliver && !groups[h].is_empty() && areas[h] + areas[sliver] <= LARGEST * full[h]
             })
             .max_by(|a, b| a.1.total_cmp(b.1).then(b.0.cmp(a.0)))
             .map(|(&h, _)| h);

@@ -1,5 +1,6 @@
 //! Regions cut into pieces along their grid and along the lines where other surfaces stand on them.
 
+use super::grading::{self, LampFace};
 use super::regions::{Outline, Welder};
 use super::types::{PatchMesh, Piece, PieceCorner, Region};
 use crate::geometry::{Aabb, polygon};
@@ -11,6 +12,10 @@ use std::collections::HashMap;
 pub(super) struct Cut {
     pub(super) part: usize,
     pub(super) cell: u32,
+    /// Which part of a cell that is halved beside a lamp; zero in a whole one.
+    pub(super) leaf: u32,
+    /// Edge lengths of the cell or of that part of it.
+    pub(super) extent: DVec2,
     /// Which side of each contact line it lies on, as a hash; cuts that differ are never one patch.
     pub(super) sides: u64,
     pub(super) corners: Vec<DVec2>,
@@ -33,10 +38,21 @@ impl Grid {
         let cell = DVec2::new(extent.x / f64::from(cells[0]), extent.y / f64::from(cells[1]));
         Self { min: outline.min, cell: cell.max(DVec2::splat(1e-300)), cells }
     }
+
+    /// Lower corner of a cell.
+    pub(super) fn corner(&self, cell: u32) -> DVec2 {
+        self.min + DVec2::new(f64::from(cell % self.cells[0]), f64::from(cell / self.cells[0])) * self.cell
+    }
 }
 
-/// Cuts every part of the region along the grid and the contact lines.
-pub(super) fn cut(outline: &Outline, grid: &Grid, contacts: &[[DVec2; 2]]) -> Vec<Cut> {
+/// Cuts every part of the region along the grid, finer beside `lamps`, and along the contact lines.
+pub(super) fn cut(
+    outline: &Outline,
+    grid: &Grid,
+    contacts: &[[DVec2; 2]],
+    lamps: &[&LampFace],
+    size: f64,
+) -> Vec<Cut> {
     let mut cuts = Vec::new();
     let mut strip = Vec::new();
     let (mut a, mut b) = (Vec::new(), Vec::new());
@@ -65,15 +81,82 @@ pub(super) fn cut(outline: &Outline, grid: &Grid, contacts: &[[DVec2; 2]]) -> Ve
                     continue;
                 }
                 let cell = i + j * grid.cells[0];
-                cuts.push(Cut { part: part_index, cell, sides: 0, corners: b.clone() });
+                cuts.push(Cut {
+                    part: part_index,
+                    cell,
+                    leaf: 0,
+                    extent: grid.cell,
+                    sides: 0,
+                    corners: b.clone(),
+                });
             }
         }
     }
+    cuts.sort_by_key(|c| c.cell);
+    cuts = grading::halve(cuts, outline, grid, lamps, size);
     if !contacts.is_empty() {
         cuts = split_at_contacts(cuts, grid, contacts);
     }
-    cuts.sort_by_key(|c| c.cell);
+    if cuts.iter().any(|cut| cut.leaf != 0) {
+        share_corners(&mut cuts, grid);
+    }
     cuts
+}
+
+/// Gives every cut the corners of its neighbours that lie on its edges, so that colours which are
+/// interpolated between corners agree along both sides of an edge.
+fn share_corners(cuts: &mut [Cut], grid: &Grid) {
+    let near = 1e-7 * grid.cell.min_element();
+    // A corner on a grid line counts to both cells.
+    let wide = 1e-6 * grid.cell;
+    let columns =
+        |low: f64, high: f64| span(low - wide.x, high + wide.x, grid.min.x, grid.cell.x, grid.cells[0]);
+    let rows =
+        |low: f64, high: f64| span(low - wide.y, high + wide.y, grid.min.y, grid.cell.y, grid.cells[1]);
+    let mut in_cell: HashMap<[u32; 2], Vec<DVec2>> = HashMap::new();
+    for &corner in cuts.iter().flat_map(|cut| &cut.corners) {
+        for j in rows(corner.y, corner.y) {
+            for i in columns(corner.x, corner.x) {
+                in_cell.entry([i, j]).or_default().push(corner);
+            }
+        }
+    }
+    for cut in cuts {
+        let mut corners = Vec::with_capacity(cut.corners.len() + 4);
+        for (k, &a) in cut.corners.iter().enumerate() {
+            let b = cut.corners[(k + 1) % cut.corners.len()];
+            let (min, max) = extent(&[a, b]);
+            let length = a.distance(b);
+            let along = (b - a) / length.max(f64::MIN_POSITIVE);
+            let mut between: Vec<(f64, DVec2)> = rows(min.y, max.y)
+                .flat_map(|j| columns(min.x, max.x).map(move |i| [i, j]))
+                .filter_map(|cell| in_cell.get(&cell))
+                .flatten()
+                .map(|&corner| (along.dot(corner - a), corner))
+                .filter(|&(t, corner)| {
+                    t > near && t < length - near && along.perp_dot(corner - a).abs() < near
+                })
+                .collect();
+            between.sort_by(|p, q| p.0.total_cmp(&q.0));
+            between.dedup_by(|p, q| p.0 - q.0 < near);
+            corners.push(a);
+            corners.extend(between.into_iter().map(|(_, corner)| corner));
+        }
+        cut.corners = with_whole_fan(corners);
+    }
+}
+
+/// The corners of a convex polygon turned so that no triangle of the fan from the first is flat, where
+/// that can be: corners may lie within edges.
+fn with_whole_fan(mut corners: Vec<DVec2>) -> Vec<DVec2> {
+    let n = corners.len();
+    let flattest = |first: usize| {
+        let at = |k: usize| corners[(first + k) % n];
+        (1..n - 1).map(|k| (at(k) - at(0)).perp_dot(at(k + 1) - at(0))).fold(f64::INFINITY, f64::min)
+    };
+    let best = (0..n).rev().max_by(|&a, &b| flattest(a).total_cmp(&flattest(b))).unwrap_or(0);
+    corners.rotate_left(best);
+    corners
 }
 
 fn split_at_contacts(cuts: Vec<Cut>, grid: &Grid, contacts: &[[DVec2; 2]]) -> Vec<Cut> {
@@ -86,10 +169,10 @@ fn split_at_contacts(cuts: Vec<Cut>, grid: &Grid, contacts: &[[DVec2; 2]]) -> Ve
             }
         }
     }
-    // A line this near to the border of a piece is not worth a split: it would leave a sliver.
-    let slack = 0.02 * grid.cell.min_element();
     let mut result = Vec::new();
     for cut in cuts {
+        // A line this near to the border of a piece is not worth a split: it would leave a sliver.
+        let slack = 0.02 * cut.extent.min_element();
         let mut pending = vec![cut];
         for (line, &[p, q]) in by_cell.get(&pending[0].cell).into_iter().flatten().enumerate() {
             let mut next = Vec::new();
@@ -274,7 +357,14 @@ pub(super) fn append_as_given(mesh: &mut PatchMesh, outline: &Outline) {
     let average = (outline.area / outline.parts.len() as f64).sqrt();
     let mut grid = Grid::new(outline, average);
     let cuts: Vec<Cut> = (0..outline.parts.len())
-        .map(|part| Cut { part, cell: 0, sides: 0, corners: outline.parts[part].corners.clone() })
+        .map(|part| Cut {
+            part,
+            cell: 0,
+            leaf: 0,
+            extent: grid.cell,
+            sides: 0,
+            corners: outline.parts[part].corners.clone(),
+        })
         .collect();
     let whole = Grid { cells: [1, 1], ..grid };
     append(mesh, outline, &whole, &cuts);

@@ -3,6 +3,7 @@
 
 #[path = "../common/mod.rs"]
 mod common;
+mod beside_lamps;
 mod geometry;
 mod laws;
 mod orientation;

@@ -1,0 +1,209 @@
+//! Where patches are smaller than elsewhere: beside lamps.
+//!
+//! At distance d from a lamp its light H changes over lengths of about d, so that across a cell of edge e
+//! it differs by about H e / d from the cell's mean. Where a lamp stands a hand's breadth from a wall that
+//! one spot can outweigh the error of all the rest of the scene, however many patches the rest has. Cells
+//! are halved until none of them adds more than a set share to the squares of the error.
+
+use super::pieces::{Cut, Grid};
+use super::regions::Outline;
+use crate::geometry::{Aabb, polygon};
+use crate::scene::Scene;
+use glam::{DVec2, DVec3};
+use std::f64::consts::PI;
+
+/// A cell of edge e is halved where H e / d times e exceeds so many times the mean irradiance times the
+/// patch size: the root of what it adds to the squares. Away from lamps it is below one.
+///
+/// Measured in the embedded gallery and house (audited error of the irradiance as shown): without halving
+/// 5,143 patches 115 %, 20,485 patches 61 %; at 100 5,851 patches 31 %, 22,215 patches 36 %; at 30 10,931
+/// patches 10 %, 29,238 patches 24 %; at 10 14,007 patches 8 %.
+const UNEVEN: f64 = 40.0;
+
+/// No cell gets shorter by halving than this share of the patch size.
+const SHORTEST: f64 = 1.0 / 64.0;
+
+/// A convex part of a surface that shines.
+pub(super) struct LampFace {
+    corners: Vec<DVec3>,
+    normal: DVec3,
+    /// It shines from its back as well.
+    both: bool,
+    bounds: Aabb,
+    area: f64,
+    /// Flux of one side over the mean irradiance of the scene, m².
+    flux: f64,
+}
+
+/// All surfaces of a scene that shine.
+#[derive(Default)]
+pub(super) struct Lamps {
+    faces: Vec<LampFace>,
+    /// Flux of all faces over the mean irradiance: the area that takes part, m².
+    flux: f64,
+    /// Lengths below this count as none, metres.
+    contact: f64,
+}
+
+/// A part of a grid cell, in plane coordinates.
+#[derive(Clone, Copy)]
+pub(super) struct Leaf {
+    pub(super) min: DVec2,
+    pub(super) extent: DVec2,
+    /// Tells apart the parts of one cell; zero where the cell is whole.
+    pub(super) path: u32,
+}
+
+impl Lamps {
+    /// The lamps of a scene at full output, switched on or not: a mesh serves all their states.
+    /// `sides` says which front and back of each outline take part.
+    pub(super) fn new(scene: &Scene, outlines: &[Outline], sides: &[[bool; 2]], scene_size: f64) -> Self {
+        let mut faces = Vec::new();
+        let (mut flux, mut area) = (0.0, 0.0);
+        for (outline, sides) in outlines.iter().zip(sides) {
+            area += outline.area * f64::from(u8::from(sides[0]) + u8::from(sides[1]));
+            let Some(luminaire) = outline.luminaire else { continue };
+            let full = scene.luminaires[luminaire as usize].initial.exitance;
+            let exitance: f64 = (0..3).map(|band| full[band] * outline.emission_weight[band]).sum();
+            for part in &outline.parts {
+                let corners: Vec<DVec3> = part.corners.iter().map(|&c| outline.world(c)).collect();
+                let face = LampFace {
+                    bounds: Aabb::around(corners.iter().copied()),
+                    corners,
+                    normal: outline.frame.normal,
+                    both: outline.emits_back,
+                    area: polygon::area_2d(&part.corners),
+                    flux: exitance * polygon::area_2d(&part.corners),
+                };
+                flux += face.flux * if face.both { 2.0 } else { 1.0 };
+                faces.push(face);
+            }
+        }
+        let mean = flux / area;
+        if !(mean > 0.0 && mean.is_finite()) {
+            return Self::default();
+        }
+        faces.iter_mut().for_each(|face| face.flux /= mean);
+        Self { faces, flux: area, contact: 1e-6 * scene_size }
+    }
+
+    /// The faces so close to a region that they may ask for patches smaller than `size`, and that
+    /// shine on one of its `sides` (front, back) that take part. None for a region that shines itself.
+    pub(super) fn beside(&self, outline: &Outline, sides: [bool; 2], size: f64) -> Vec<&LampFace> {
+        if outline.luminaire.is_some() || !size.is_finite() {
+            return Vec::new();
+        }
+        // Beyond this no cell is halved even if all lamps were one; its middle may lie half a diagonal on.
+        let reach = (self.flux * size / (PI * UNEVEN)).cbrt() + size;
+        let near = outline.bounds.grown(reach);
+        let normal = outline.frame.normal;
+        let shines_on = |face: &LampFace| {
+            let heights = face.corners.iter().map(|&c| normal.dot(c - outline.origin));
+            let (low, high) = heights.fold((0.0_f64, 0.0_f64), |(l, h), z| (l.min(z), h.max(z)));
+            let is_before = sides[0] && high > self.contact || sides[1] && low < -self.contact;
+            let corners = outline.parts.iter().flat_map(|part| &part.corners);
+            let mut heights = corners.map(|&c| face.height(outline.world(c)));
+            is_before && heights.any(|z| z > self.contact || face.both && z < -self.contact)
+        };
+        self.faces.iter().filter(|face| face.bounds.meets(&near) && shines_on(face)).collect()
+    }
+}
+
+impl LampFace {
+    /// Height of a point over the face's plane, metres; below zero behind it.
+    fn height(&self, point: DVec3) -> f64 {
+        self.normal.dot(point - self.corners[0])
+    }
+
+    /// Distance from a point, metres.
+    fn distance(&self, point: DVec3) -> f64 {
+        let (mut inside, mut nearest) = (true, f64::INFINITY);
+        for (k, &a) in self.corners.iter().enumerate() {
+            let way = self.corners[(k + 1) % self.corners.len()] - a;
+            inside &= self.normal.dot(way.cross(point - a)) >= 0.0;
+            let t = (way.dot(point - a) / way.length_squared().max(f64::MIN_POSITIVE)).clamp(0.0, 1.0);
+            nearest = nearest.min(point.distance(a + way * t));
+        }
+        if inside { self.height(point).abs() } else { nearest }
+    }
+
+    /// By how much its light changes a metre around `point`, at most, over the scene's mean irradiance.
+    /// Points within `blur` of the face count as no nearer.
+    fn gradient(&self, point: DVec3, blur: f64) -> f64 {
+        if !self.both && self.height(point) < -4.0 * blur {
+            return 0.0;
+        }
+        let distance = self.distance(point).max(blur);
+        // From afar that of a point, at the face its own exitance.
+        self.flux / ((PI * distance * distance + self.area) * distance)
+    }
+}
+
+/// The parts into which the cell at `min` is halved beside `lamps`, in a mesh of patches of edge `size`.
+pub(super) fn leaves(
+    outline: &Outline,
+    lamps: &[&LampFace],
+    min: DVec2,
+    extent: DVec2,
+    size: f64,
+) -> Vec<Leaf> {
+    let mut pending = vec![Leaf { min, extent, path: 0 }];
+    let mut found = Vec::new();
+    while let Some(leaf) = pending.pop() {
+        let middle = outline.world(leaf.min + 0.5 * leaf.extent);
+        let blur = 0.125 * leaf.extent.length();
+        let gradient: f64 = lamps.iter().map(|lamp| lamp.gradient(middle, blur)).sum();
+        let longest = leaf.extent.max_element();
+        let is_halved =
+            |edge: f64| gradient * edge * longest > UNEVEN * size && 0.5 * edge >= 0.999 * SHORTEST * size;
+        let [across, up] = [is_halved(leaf.extent.x), is_halved(leaf.extent.y)];
+        if !across && !up {
+            found.push(leaf);
+            continue;
+        }
+        let extent = leaf.extent * DVec2::new(if across { 0.5 } else { 1.0 }, if up { 0.5 } else { 1.0 });
+        for j in (0..=u32::from(up)).rev() {
+            for i in (0..=u32::from(across)).rev() {
+                let min = leaf.min + extent * DVec2::new(f64::from(i), f64::from(j));
+                pending.push(Leaf { min, extent, path: 4 * leaf.path + 2 * j + i + 1 });
+            }
+        }
+    }
+    found
+}
+
+/// Cuts cells into the parts that lamps beside them ask for. Cuts stay in the order of their cells.
+pub(super) fn halve(
+    cuts: Vec<Cut>,
+    outline: &Outline,
+    grid: &Grid,
+    lamps: &[&LampFace],
+    size: f64,
+) -> Vec<Cut> {
+    if lamps.is_empty() {
+        return cuts;
+    }
+    let mut halved = Vec::with_capacity(cuts.len());
+    let (mut a, mut b) = (Vec::new(), Vec::new());
+    for same_cell in cuts.chunk_by(|a, b| a.cell == b.cell) {
+        let parts = leaves(outline, lamps, grid.corner(same_cell[0].cell), grid.cell, size);
+        if parts.len() == 1 {
+            halved.extend_from_slice(same_cell);
+            continue;
+        }
+        for leaf in parts {
+            let max = leaf.min + leaf.extent;
+            for cut in same_cell {
+                polygon::clip_2d(&cut.corners, DVec2::X, -leaf.min.x, &mut a);
+                polygon::clip_2d(&a, DVec2::NEG_X, max.x, &mut b);
+                polygon::clip_2d(&b, DVec2::Y, -leaf.min.y, &mut a);
+                polygon::clip_2d(&a, DVec2::NEG_Y, max.y, &mut b);
+                if b.len() >= 3 && polygon::area_2d(&b) > 1e-10 * leaf.extent.x * leaf.extent.y {
+                    let corners = b.clone();
+                    halved.push(Cut { leaf: leaf.path, extent: leaf.extent, corners, ..cut.clone() });
+                }
+            }
+        }
+    }
+    halved
+}
