@@ -399,15 +399,15 @@ impl<'a> Audit<'a> {
             let key = mix(seed).wrapping_add(16 * stratum as u64);
             self.ask(draw, (stratum as f64 + unit(key)) / count as f64, care, key)
         };
-        if parallel {
-            let mut found: Vec<(usize, Found)> =
-                order.into_par_iter().with_max_len(1).filter_map(|k| Some((k, one(k)?))).collect();
-            found.sort_by_key(|f| f.0);
-            found.into_iter().map(|f| f.1).collect()
+        let numbered = |k: usize| Some((k, one(k)?));
+        let mut found: Vec<(usize, Found)> = if parallel {
+            order.into_par_iter().with_max_len(1).filter_map(numbered).collect()
         } else {
-            order.sort_unstable();
-            order.into_iter().filter_map(one).collect()
-        }
+            order.into_iter().filter_map(numbered).collect()
+        };
+        // Sums are the same however many threads were at work.
+        found.sort_by_key(|f| f.0);
+        found.into_iter().map(|f| f.1).collect()
     }
 
     /// Asks the receiver at `place` in 0..1 of the running probability `draw`.
