@@ -347,6 +347,26 @@ fn a_batch_cut_short_has_asked_all_over_the_scene_by_one_thread_as_by_many() {
     assert!(3 * beyond > half.len() && 3 * beyond < 2 * half.len(), "{beyond} of {half:?} beyond {middle}");
 }
 
+#[test]
+fn a_goal_is_not_decided_by_few_receivers() {
+    let scene = room_with_blocks(0.5).scene();
+    let made = solved(&scene, &settings(PatchTarget::Count(400), Method::Lines, 24));
+    let receivers = |decide: Option<f64>, resolve: f64| {
+        let (precision, local_noise, seconds) = (0.4, 0.1, 1e9);
+        let how =
+            AuditSettings { precision, local_noise, seconds, resolve, decide, ..AuditSettings::default() };
+        study::audit(&made, &scene.lighting(), &how, &|| false).expect("light").budget.receivers
+    };
+    // Precise enough, or below what is to be resolved, with a few receivers: that is no verdict.
+    for resolve in [1e-4, 0.9] {
+        assert!(receivers(None, resolve) < 256, "few are enough to look");
+        for goal in [0.001, 0.9] {
+            let asked = receivers(Some(goal), resolve);
+            assert!((512..768).contains(&asked), "{asked} receivers for a goal of {goal}");
+        }
+    }
+}
+
 /// Seconds that this thread has computed, where the system tells (Linux): what others do on the machine
 /// does not count.
 fn thread_seconds() -> Option<f64> {
