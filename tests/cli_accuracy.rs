@@ -3,6 +3,7 @@
 mod cli_support;
 
 use cli_support::Workplace;
+use lumenwalk::study::{Entry, entries, table};
 use serde_json::Value;
 
 fn report(place: &Workplace, name: &str) -> Value {
@@ -80,4 +81,25 @@ fn a_sweep_writes_table_and_charts_and_goes_on_where_it_ended() {
     sweep("2s");
     let third = place.text("study/accuracy.csv");
     assert!(first.lines().all(|line| third.contains(line)) && third.len() > second.len(), "{third}");
+}
+
+#[test]
+fn a_sweep_goes_on_from_a_table_in_any_order() {
+    let place = Workplace::with_room(0.4);
+    let sweep = |time: &str| {
+        let told = place.succeed(&["accuracy", "room.obj", "--out", "study", "--max-seconds", time]);
+        (told, table::parse(&place.text("study/accuracy.csv")))
+    };
+    let (_, begun) = sweep("3s");
+    // As if all points but three had been measured, the last ones first.
+    let all = entries(begun[0].entry.patches);
+    let missing = [all[0], all[9], all[20]];
+    let measured = all.iter().rev().filter(|entry| !missing.contains(entry));
+    let known: Vec<table::Row> = measured.map(|&entry| table::Row { entry, ..begun[0].clone() }).collect();
+    table::write(&place.path("study/accuracy.csv"), &known).unwrap();
+    let (told, rows) = sweep("5min");
+    assert!(!told.contains("left out"), "{told}");
+    assert_eq!(rows[..known.len()], known, "what is known stays as it is");
+    let new: Vec<Entry> = rows[known.len()..].iter().map(|row| row.entry).collect();
+    assert_eq!(new, missing, "what is missing is measured, once and in its order");
 }

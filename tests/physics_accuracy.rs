@@ -14,6 +14,7 @@ use lumenwalk::scene::luminance_weighted;
 use lumenwalk::session::{SolveSettings, Solved};
 use lumenwalk::solver::patch_emission;
 use lumenwalk::study;
+use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// The true luminance of irradiance at points with their normals.
 type Truth<'a> = dyn Fn(&[(DVec3, DVec3)]) -> Vec<f64> + 'a;
@@ -320,6 +321,50 @@ fn without_light_there_is_no_error_to_speak_of() {
     assert_eq!(study::audit(&made, &dark, &AuditSettings::default(), &|| false), None);
     let stopped = study::audit(&made, &scene.lighting(), &AuditSettings::default(), &|| true);
     assert_eq!(stopped, None, "a stopped audit tells nothing");
+}
+
+#[test]
+fn a_batch_cut_short_has_asked_all_over_the_scene_by_one_thread_as_by_many() {
+    let scene = room_with_blocks(0.5).scene();
+    let made = solved(&scene, &settings(PatchTarget::Count(400), Method::Lines, 24));
+    let how = AuditSettings { precision: 1e-9, seconds: 1e9, receivers: 64, ..AuditSettings::default() };
+    let ask = |parallel: bool, stop: &(dyn Fn() -> bool + Sync)| {
+        let found = study::audit(&made, &scene.lighting(), &AuditSettings { parallel, ..how }, stop);
+        found.expect("enough to tell").receivers
+    };
+    let whole = ask(false, &|| false);
+    assert_eq!(whole, ask(true, &|| false));
+    assert!(whole.is_sorted_by(|a, b| a.patch <= b.patch), "by strata of the patches");
+
+    // Asked once for each of the 48 receivers of the pilot, once before the batch, once for each of its 64,
+    // once after it: time runs out half way through the batch.
+    let asked = AtomicUsize::new(0);
+    let out_of_time = || (82..=114).contains(&(asked.fetch_add(1, Ordering::Relaxed) + 1));
+    let half: Vec<u32> = ask(false, &out_of_time).iter().map(|r| r.patch).collect();
+    assert!((16..=32).contains(&half.len()), "{} receivers", half.len());
+    let middle = whole[whole.len() / 2].patch;
+    let beyond = half.iter().filter(|&&patch| patch > middle).count();
+    assert!(3 * beyond > half.len() && 3 * beyond < 2 * half.len(), "{beyond} of {half:?} beyond {middle}");
+}
+
+#[test]
+fn a_goal_is_not_decided_by_few_receivers() {
+    let scene = room_with_blocks(0.5).scene();
+    let made = solved(&scene, &settings(PatchTarget::Count(400), Method::Lines, 24));
+    let receivers = |decide: Option<f64>, resolve: f64| {
+        let (precision, local_noise, seconds) = (0.4, 0.1, 1e9);
+        let how =
+            AuditSettings { precision, local_noise, seconds, resolve, decide, ..AuditSettings::default() };
+        study::audit(&made, &scene.lighting(), &how, &|| false).expect("light").budget.receivers
+    };
+    // Precise enough, or below what is to be resolved, with a few receivers: that is no verdict.
+    for resolve in [1e-4, 0.9] {
+        assert!(receivers(None, resolve) < 256, "few are enough to look");
+        for goal in [0.001, 0.9] {
+            let asked = receivers(Some(goal), resolve);
+            assert!((512..768).contains(&asked), "{asked} receivers for a goal of {goal}");
+        }
+    }
 }
 
 /// Seconds that this thread has computed, where the system tells (Linux): what others do on the machine

@@ -47,7 +47,8 @@ pub struct AuditSettings {
     pub local_noise: f64,
     /// Receivers at most; 64 or more.
     pub receivers: usize,
-    /// It ends as soon as the total's interval lies on one side of this.
+    /// It ends as soon as the total's interval lies on one side of this. With such a mark it asks 512
+    /// receivers at least, time allowing: fewer may have missed the few places that are worst.
     pub decide: Option<f64>,
     /// Whether to use all threads of the pool, or the calling one alone.
     pub parallel: bool,
@@ -173,7 +174,7 @@ const BATCH: usize = 64;
 const MOST_RAYS: u32 = 1 << 16;
 /// To be known as above or below a mark, an error must be known to this relative half width.
 const LOOSE: f64 = 0.3;
-/// Fewer receivers decide nothing: they may have missed the few places that are worst.
+/// Fewer receivers decide nothing, see [`AuditSettings::decide`].
 const DECISIVE: usize = 512;
 /// Receivers for which the time should do, where it is short.
 const FEWEST: f64 = 160.0;
@@ -284,13 +285,12 @@ impl<'a> Audit<'a> {
             batch += 1;
             let total = self.estimate(&found, |f| f.total);
             let width = total.relative_half_width();
-            let decided = found.len() >= DECISIVE
-                && width < LOOSE
-                && settings.decide.is_some_and(|d| total.low > d || total.high < d);
+            let enough = settings.decide.is_none() || found.len() >= DECISIVE;
+            let decided = width < LOOSE && settings.decide.is_some_and(|d| total.low > d || total.high < d);
             let factors = || self.estimate(&found, |f| f.form_factors);
             let known =
                 |e: Estimate| e.relative_half_width() < settings.precision || e.high < settings.resolve;
-            if decided || (known(total) && (!settings.parts || known(factors()))) {
+            if enough && (decided || (known(total) && (!settings.parts || known(factors())))) {
                 break;
             }
         }
@@ -399,15 +399,15 @@ impl<'a> Audit<'a> {
             let key = mix(seed).wrapping_add(16 * stratum as u64);
             self.ask(draw, (stratum as f64 + unit(key)) / count as f64, care, key)
         };
-        if parallel {
-            let mut found: Vec<(usize, Found)> =
-                order.into_par_iter().with_max_len(1).filter_map(|k| Some((k, one(k)?))).collect();
-            found.sort_by_key(|f| f.0);
-            found.into_iter().map(|f| f.1).collect()
+        let numbered = |k: usize| Some((k, one(k)?));
+        let mut found: Vec<(usize, Found)> = if parallel {
+            order.into_par_iter().with_max_len(1).filter_map(numbered).collect()
         } else {
-            order.sort_unstable();
-            order.into_iter().filter_map(one).collect()
-        }
+            order.into_iter().filter_map(numbered).collect()
+        };
+        // Sums are the same however many threads were at work.
+        found.sort_by_key(|f| f.0);
+        found.into_iter().map(|f| f.1).collect()
     }
 
     /// Asks the receiver at `place` in 0..1 of the running probability `draw`.

@@ -51,22 +51,20 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
     let threads = rayon::current_num_threads();
     let usual = usual_patches(&scene)?;
     let all = study::entries(usual);
-    let is_known = |rows: &[table::Row], entry: &study::Entry| {
-        rows.iter().any(|r| r.hash == hash && r.threads == threads && r.entry == *entry)
-    };
-    let missing: Vec<_> = all.iter().filter(|entry| !is_known(&rows, entry)).collect();
+    let is_own = |row: &table::Row| row.hash == hash && row.threads == threads;
+    // Wherever in the table a point stands, and whatever order it was measured in.
+    let is_known = |entry: &study::Entry| rows.iter().any(|r| is_own(r) && r.entry == *entry);
+    let missing: Vec<_> = all.iter().copied().filter(|entry| !is_known(entry)).collect();
     let known = all.len() - missing.len();
     let mut line = ProgressLine::new();
     let mut left_out = 0;
-    // Seconds of work an expected millisecond: learnt from what was measured here.
-    let mut pace: f64 = 0.0;
-    for (done, &&entry) in missing.iter().enumerate() {
-        let foreseen = pace * entry.nominal();
+    for (done, entry) in missing.into_iter().enumerate() {
+        let own: Vec<_> = rows.iter().filter(|r| is_own(r)).cloned().collect();
+        let foreseen = study::foreseen(entry, &own).unwrap_or(0.0);
         if started.elapsed().as_secs_f64() + foreseen > arguments.max_seconds {
             left_out += 1;
             continue;
         }
-        let clock = Instant::now();
         let points = match entry.points {
             ReceivingPoints::Auto => String::new(),
             fixed => format!(", receiving points {}", fixed.name()),
@@ -79,17 +77,15 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
         });
         match measured {
             Ok(row) => rows.push(row),
-            // Too large for this machine: so are finer ones, which come later.
+            // Too large for this machine: so are finer ones, which will say so as soon.
             Err(PipelineError::Memory { .. }) => left_out += 1,
             Err(error) => return Err(error.into()),
         }
-        // Small solves are mostly audit; the pace of large ones counts.
-        pace = pace.max(0.5 * clock.elapsed().as_secs_f64() / entry.nominal().max(50.0));
         table::write(&csv, &rows)?;
     }
     drop(line);
 
-    rows.retain(|r| r.hash == hash && r.threads == threads);
+    rows.retain(is_own);
     let chart = study::chart(&rows);
     let (svg, png) = (arguments.out.join("accuracy.svg"), arguments.out.join("accuracy.png"));
     chart.write_svg(&svg)?;

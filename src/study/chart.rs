@@ -6,7 +6,7 @@ use crate::export::{Chart, ChartPoint, Panel, Series};
 use crate::form_factors::{Method, ReceivingPoints};
 
 /// Curves: method, receiving points, name and colour.
-const CURVES: [(Method, ReceivingPoints, &str, &str); 8] = [
+pub(super) const CURVES: [(Method, ReceivingPoints, &str, &str); 8] = [
     (Method::Lines, ReceivingPoints::Auto, "lines", "#cf6a17"),
     (Method::Lines, ReceivingPoints::One, "lines, 1 point", "#e6b48a"),
     (Method::Lines, ReceivingPoints::Sixteen, "lines, 16 points", "#8c4209"),

@@ -65,6 +65,8 @@ const SWEEPS: [f64; 2] = [7e-9, 4e-9];
 const AGGREGATE: f64 = 1.6e-7;
 /// Form factors stored over those that rows hold: seen in six meshes of two scenes.
 const BOTH: f64 = 1.15;
+/// Bytes that each takes while they are assembled.
+const BYTES: f64 = 17.0;
 /// Patches up to which each is a part of the power balance by itself, and about how many parts there
 /// are beyond.
 const ALL_PARTS: f64 = 2048.0;
@@ -166,10 +168,10 @@ impl CostModel {
         Some(done + trial.rows + self.rest(patches, BOTH * trial.entries)?)
     }
 
-    /// Gigabytes that the form factors need while they are assembled.
-    pub fn gigabytes(&self, patches: f64) -> Option<f64> {
-        let base = self.measured.last()?;
-        Some(base.entries * (patches / base.fineness.patches).powi(2) * 17.0 / 1e9)
+    /// Gigabytes that the form factors of a solve of this fineness need while they are assembled; `None`
+    /// before the first solve.
+    pub fn gigabytes(&self, wanted: Fineness) -> Option<f64> {
+        Some(self.entries(wanted)? * BYTES / 1e9)
     }
 
     /// Error as shown of a solve of this fineness; `None` before the first audit.
@@ -233,11 +235,11 @@ impl CostModel {
         let Some(base) = self.measured.last() else { return Vec::new() };
         let steps = -12..=30;
         let counts = steps.map(|k| base.fineness.patches * 2.0_f64.powf(f64::from(k) / 5.0));
-        let counts = counts.filter(|&n| {
-            (limits.fewest..=limits.most).contains(&n)
-                && self.gigabytes(n).is_some_and(|gb| gb <= limits.gigabytes)
-        });
-        counts.flat_map(|patches| LINES.map(|lines| Fineness { patches, lines: f64::from(lines) })).collect()
+        let counts = counts.filter(|n| (limits.fewest..=limits.most).contains(n));
+        counts
+            .flat_map(|patches| LINES.map(|lines| Fineness { patches, lines: f64::from(lines) }))
+            .filter(|&f| self.gigabytes(f).is_some_and(|gb| gb <= limits.gigabytes))
+            .collect()
     }
 }
 
@@ -316,8 +318,28 @@ mod tests {
         model.learn(measured(1000.0, 64.0, [0.02, 0.5]));
         let tight = Limits { gigabytes: 0.1, ..LIMITS };
         let best = model.best_within(1e9, tight).unwrap();
-        assert!(model.gigabytes(best.patches).unwrap() <= 0.1);
+        assert!(model.gigabytes(best).unwrap() <= 0.1);
         assert!(model.cheapest(0.001, tight).is_none());
+    }
+
+    #[test]
+    fn memory_grows_with_lines_as_far_as_they_find_more() {
+        // Lines find 1 - exp(-1.5 lines / root of patches): 0.92 of the pairs of 800 patches by 48,
+        // 0.40 of those of 20 000, and 0.996 of these by 512.
+        let at = |patches: f64, lines: f64| Fineness { patches, lines };
+        let mut model = CostModel::default();
+        model.learn(measured(800.0, 48.0, [0.02, 0.05]));
+        let (few, many) = (model.gigabytes(at(20e3, 48.0)), model.gigabytes(at(20e3, 512.0)));
+        let of_all = 1e6 * 25.0 * 25.0 * 17e-9;
+        assert!((few.unwrap() / (of_all * 0.399 / 0.922) - 1.0).abs() < 0.01, "{few:?}");
+        assert!((many.unwrap() / few.unwrap() - 2.49).abs() < 0.02, "{many:?} against {few:?}");
+        // What there is room for by few lines has none by many.
+        let mut fine = CostModel::default();
+        fine.learn(Measured { entries: 1e8, ..measured(20e3, 48.0, [0.05, 1e-3]) });
+        let room = Limits { fewest: 20e3, most: 20e3, gigabytes: 3.0 };
+        let best = fine.best_within(1e9, room).unwrap();
+        assert!(best.lines > 48.0 && best.lines < 512.0, "{best:?}");
+        assert!(fine.gigabytes(best).unwrap() <= 3.0 && fine.best_within(1e9, LIMITS).unwrap().lines > 512.0);
     }
 
     #[test]

@@ -83,6 +83,8 @@ const MOST_SOLVES: usize = 6;
 const AIM: [f64; 2] = [0.85, 0.93];
 /// Of the seconds left a solve may be foreseen to take this part.
 const TIME_AIM: f64 = 0.7;
+/// With time left, another solve is made where it is foreseen to leave this part of the error at most.
+const GAIN: f64 = 0.8;
 /// Noise that the shares of area may have of rays in these audits, which a user waits for.
 const QUICK_NOISE: f64 = 0.02;
 /// Patches never exceed this.
@@ -115,8 +117,8 @@ pub fn reach(
     let mut best: Option<(Solved, SolveSettings, Option<ErrorBudget>)> = None;
     let mut limits = Limits { fewest: 1.0, most: MOST_PATCHES, gigabytes: memory };
     let mut next = Fineness { patches: FIRST.0 as f64, lines: f64::from(FIRST.1) };
-    // Of the last whole solve, and by how much smaller the next is to be than the time would allow.
-    let (mut solved_at, mut share) = (next, 1.0);
+    // By how much smaller the next solve is to be than the time would allow.
+    let mut share = 1.0;
     let mut obstacle = None;
 
     while attempts.len() < MOST_SOLVES {
@@ -131,8 +133,8 @@ pub fn reach(
             Ok(Outcome::Part(solved)) => (*solved, false),
             Ok(Outcome::TooLong) => {
                 share *= 0.5;
-                let smaller = model.best_within(TIME_AIM * share * left(), limits);
-                if let Some(fineness) = smaller.filter(|f| share > 0.2 && finer(*f, solved_at)) {
+                let smaller = better_within(&model, TIME_AIM * share * left(), limits);
+                if let Some(fineness) = smaller.filter(|_| share > 0.2) {
                     next = fineness;
                     continue;
                 }
@@ -199,9 +201,9 @@ pub fn reach(
         if attempts.len() == 1 && solved.mesh.patches.len() as f64 > 1.5 * next.patches {
             limits.fewest = solved.mesh.patches.len() as f64;
         }
-        best = Some((solved, settings, budget));
-
-        solved_at = next;
+        if best.as_ref().is_none_or(|(_, _, old)| !is_worse(budget.as_ref(), old.as_ref())) {
+            best = Some((solved, settings, budget));
+        }
 
         // Is it enough, and if not, what next?
         match goal {
@@ -218,7 +220,7 @@ pub fn reach(
                 let shortfall = foreseen_error.map_or(1.0, |f| (f / budget.total.error).clamp(0.9, 1.0));
                 let aim = AIM[usize::from(model.knows_its_power())];
                 match model.cheapest(aim * error * shortfall, limits) {
-                    Some(fineness) if finer(fineness, next) => next = model.towards(fineness),
+                    Some(fineness) if is_finer_than_last(&model, fineness) => next = model.towards(fineness),
                     _ => {
                         obstacle = Some(too_fine(&model, limits));
                         break;
@@ -226,29 +228,41 @@ pub fn reach(
                 }
             }
             Goal::Seconds(_) => {
-                let Some(fineness) = model.best_within(TIME_AIM * share * left(), limits) else { break };
-                let gain =
-                    model.error(fineness).zip(model.error(next)).is_none_or(|(new, old)| new < 0.8 * old);
-                if !gain || !finer(fineness, next) {
-                    break;
-                }
+                let Some(fineness) = better_within(&model, TIME_AIM * share * left(), limits) else { break };
                 next = fineness;
             }
         }
     }
     let Some((solved, settings, budget)) = best else { return Err(PipelineError::Cancelled) };
     let seconds = started.elapsed().as_secs_f64();
-    let foreseen = model.error(solved_at);
+    // Said only of a solve without a budget, and that is the last one.
+    let foreseen = model.measured().last().and_then(|m| model.error(m.fineness));
     let (met, verdict) = verdict(goal, budget.as_ref(), foreseen, seconds, obstacle);
     Ok(Reached { solved, settings, budget, met, complete: true, verdict, attempts, model, seconds })
 }
 
-fn finer(new: Fineness, old: Fineness) -> bool {
-    new.patches > 1.02 * old.patches || new.lines > old.lines
+/// Whether this is finer than the last solve was. What that had asked for does not matter: a mesh may be
+/// much finer than that.
+fn is_finer_than_last(model: &CostModel, new: Fineness) -> bool {
+    let last = model.measured().last().map(|m| m.fineness);
+    last.is_none_or(|old| new.patches > 1.02 * old.patches || new.lines > old.lines)
+}
+
+/// The most accurate fineness within `seconds` where it promises a gain that is worth another solve.
+fn better_within(model: &CostModel, seconds: f64, limits: Limits) -> Option<Fineness> {
+    let last = model.measured().last().and_then(|m| model.error(m.fineness));
+    let gains = |f: &Fineness| model.error(*f).zip(last).is_none_or(|(new, old)| new < GAIN * old);
+    let best = model.best_within(seconds, limits)?;
+    (gains(&best) && is_finer_than_last(model, best)).then_some(best)
+}
+
+/// Whether a new solve is known to be worse than the one before.
+fn is_worse(new: Option<&ErrorBudget>, old: Option<&ErrorBudget>) -> bool {
+    new.zip(old).is_some_and(|(new, old)| new.total.error > old.total.error)
 }
 
 fn too_fine(model: &CostModel, limits: Limits) -> String {
-    let gigabytes = model.measured().last().and_then(|m| model.gigabytes(m.fineness.patches)).unwrap_or(0.0);
+    let gigabytes = model.measured().last().and_then(|m| model.gigabytes(m.fineness)).unwrap_or(0.0);
     format!(
         "a finer mesh would need more than the {:.1} GB that are free for form factors ({gigabytes:.1} GB now), \
          or more than {} patches",
@@ -453,5 +467,62 @@ fn solve_until(
             Ok(Outcome::Part(Box::new(solved(FormFactors::default(), AssembleReport::default(), bases))))
         }
         Err(error) => Err(error),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::accuracy::Estimate;
+    use crate::session::Timings;
+
+    const LIMITS: Limits = Limits { fewest: 9000.0, most: 1e6, gigabytes: 8.0 };
+
+    /// After the first solve, which asked for [`FIRST`], of a scene that has 9000 patches by itself.
+    fn after_the_first([form_factors, mesh]: [f64; 2]) -> CostModel {
+        let mut model = CostModel::default();
+        model.learn(Measured {
+            fineness: Fineness { patches: 9000.0, lines: f64::from(FIRST.1) },
+            timings: Timings { rows: 4.0, balance: 1.0, sweeps: 1.0, ..Timings::default() },
+            entries: 2e7,
+            columns: 3.0,
+            overhead: 24.0,
+            shadowed: 0.0,
+            form_factors,
+            mesh,
+            total: form_factors.hypot(mesh),
+        });
+        model
+    }
+
+    #[test]
+    fn another_solve_is_finer_than_the_last_really_was() {
+        // Time for less than the same once more: whatever it is, it is no better.
+        let model = after_the_first([0.02, 0.05]);
+        let coarser = model.best_within(5.5, LIMITS).unwrap();
+        assert!(coarser.lines < f64::from(FIRST.1) && coarser.patches == 9000.0, "{coarser:?}");
+        assert_eq!(better_within(&model, 5.5, LIMITS), None);
+        assert_eq!(better_within(&model, 6.1, LIMITS), None, "the same again");
+        let better = better_within(&model, 60.0, LIMITS).unwrap();
+        assert!(model.error(better).unwrap() <= GAIN * model.measured()[0].total, "{better:?}");
+        // Finer, but hardly better.
+        let smooth = after_the_first([1e-4, 0.05]);
+        let best = smooth.best_within(8.0, LIMITS).unwrap();
+        assert!(is_finer_than_last(&smooth, best) && better_within(&smooth, 8.0, LIMITS).is_none());
+        assert!(!is_finer_than_last(&model, Fineness { patches: 9100.0, lines: 48.0 }));
+        assert!(is_finer_than_last(&model, Fineness { patches: 9000.0, lines: 64.0 }));
+    }
+
+    #[test]
+    fn a_worse_solve_does_not_take_the_place_of_a_better_one() {
+        let of = |error: f64| ErrorBudget {
+            total: Estimate { error, low: error, high: error },
+            ..ErrorBudget::default()
+        };
+        let (good, bad) = (of(0.02), of(0.04));
+        assert!(is_worse(Some(&bad), Some(&good)));
+        assert!(!is_worse(Some(&good), Some(&bad)) && !is_worse(Some(&good), Some(&good)));
+        // Finer ones that there was no time to check are taken to be better, as foreseen.
+        assert!(!is_worse(None, Some(&good)) && !is_worse(Some(&bad), None));
     }
 }

@@ -15,7 +15,7 @@ pub use audited::{audit, shown};
 pub use chart::chart;
 pub use cost::{CostModel, Fineness, Limits, Measured};
 pub use goal::{Attempt, Goal, News, Reached, reach};
-pub use sweep::{Entry, entries, measure, pareto};
+pub use sweep::{Entry, entries, foreseen, measure, pareto};
 pub use trial::{Trial, row_overhead, trial};
 
 use crate::scene::Scene;

@@ -51,32 +51,67 @@ const RAYS: [u32; 5] = [256, 1024, 4096, 16_384, 65_536];
 /// as in 1985, and so many that nothing but the resolution is left.
 const FIXED_POINTS: [(Method, ReceivingPoints, &[u32]); 5] = [
     (Method::Lines, ReceivingPoints::One, &[32, 64, 128, 256, 512]),
-    (Method::Lines, ReceivingPoints::Sixteen, &[32, 64, 128, 256]),
+    (Method::Lines, ReceivingPoints::Sixteen, &[32, 64, 128, 256, 512, 1024]),
     (Method::Hemicube, ReceivingPoints::Sixteen, &[32, 64, 128, 256]),
     (Method::AlignedHemicube, ReceivingPoints::One, &HEMICUBE),
     (Method::AlignedHemicube, ReceivingPoints::Sixteen, &[64, 128, 256]),
 ];
 
-/// All points, cheapest first, for a scene that has `usual` patches by itself: at that many all
-/// resolutions and numbers of receiving points, at fewer and at more those that suit.
+/// So many points of every curve of the chart come before all others.
+const FIRST_OF_EACH: usize = 2;
+
+/// All points for a scene that has `usual` patches by itself: at that many all resolutions and numbers
+/// of receiving points, at fewer and at more those that suit.
+///
+/// First comes the cheapest point at `usual` patches of each method and number of receiving points, then
+/// the second cheapest of each, then all others; each time by rising [`Entry::nominal`]. So a sweep that
+/// ends early has every curve of the chart begun.
 pub fn entries(usual: usize) -> Vec<Entry> {
     let methods: [(Method, &[u32]); 3] =
         [(Method::Lines, &LINES), (Method::Hemicube, &HEMICUBE), (Method::Rays, &RAYS)];
-    let mut all = Vec::new();
-    for (patches, skip_fine) in [(usual / 4, 2), (usual, 0), (3 * usual, 1), (8 * usual, 3)] {
+    let usual = usual.max(1);
+    let mut all: Vec<Entry> = Vec::new();
+    for (patches, skip_fine) in [(usual, 0), (usual / 4, 2), (3 * usual, 1), (8 * usual, 3)] {
         for (method, resolutions) in methods {
             for &resolution in &resolutions[..resolutions.len() - skip_fine] {
-                let points = ReceivingPoints::Auto;
-                all.push(Entry { method, resolution, points, patches: patches.max(1) });
+                all.push(Entry { method, resolution, points: ReceivingPoints::Auto, patches });
             }
         }
     }
     for (method, points, resolutions) in FIXED_POINTS {
-        let entry = |&resolution: &u32| Entry { method, resolution, points, patches: usual.max(1) };
+        let entry = |&resolution: &u32| Entry { method, resolution, points, patches: usual };
         all.extend(resolutions.iter().map(entry));
     }
+    all.retain(|entry| entry.patches > 0);
     all.sort_by(|a, b| a.nominal().total_cmp(&b.nominal()));
+    let mut begun: Vec<(Method, ReceivingPoints)> = Vec::new();
+    all.sort_by_cached_key(|entry| {
+        if entry.patches != usual {
+            return FIRST_OF_EACH;
+        }
+        let curve = (entry.method, entry.points);
+        begun.push(curve);
+        (begun.iter().filter(|&&c| c == curve).count() - 1).min(FIRST_OF_EACH)
+    });
     all
+}
+
+/// Seconds that solving and auditing `entry` will take, by what the dearest of the `measured` rows of its
+/// method took, or where there is none, the dearest of all. `None` where nothing was measured.
+pub fn foreseen(entry: Entry, measured: &[Row]) -> Option<f64> {
+    let order = |row: &&Row| (row.entry.method == entry.method, row.entry.nominal());
+    let like = measured.iter().max_by(|a, b| {
+        let (a, b) = (order(a), order(b));
+        a.0.cmp(&b.0).then(a.1.total_cmp(&b.1))
+    })?;
+    let solve = like.total_seconds / like.entry.nominal() * entry.nominal();
+    let of_its_time = like.budget.seconds / audit_seconds(like.total_seconds);
+    Some(solve + of_its_time * audit_seconds(solve))
+}
+
+/// How long the audit of a solve that took `solve` seconds may last.
+fn audit_seconds(solve: f64) -> f64 {
+    (2.0 * solve).clamp(4.0, 40.0)
 }
 
 /// Solves and audits one point.
@@ -110,7 +145,7 @@ pub fn measure(
         parts: true,
         resolve: 4e-4,
         local_noise: 0.02,
-        seconds: (2.0 * seconds).clamp(4.0, 40.0),
+        seconds: audit_seconds(seconds),
         ..AuditSettings::default()
     };
     let budget = audit(&solved, lighting, &thorough, &|| false).map(|found| found.budget);
@@ -151,6 +186,7 @@ pub fn pareto(points: &[[f64; 2]]) -> Vec<usize> {
 
 #[cfg(test)]
 mod tests {
+    use super::super::chart::CURVES;
     use super::*;
 
     #[test]
@@ -162,14 +198,62 @@ mod tests {
     }
 
     #[test]
-    fn entries_come_cheapest_first_and_once() {
-        let all = entries(2000);
-        assert!(all.is_sorted_by(|a, b| a.nominal() <= b.nominal()));
-        for (i, entry) in all.iter().enumerate() {
-            assert!(!all[..i].contains(entry), "{entry:?} twice");
+    fn every_curve_of_the_chart_is_begun_first_and_the_rest_comes_cheapest_first_and_once() {
+        for usual in [0, 1, 3, 60, 2000, 9000, 100_000] {
+            let all = entries(usual);
+            let usual = usual.max(1);
+            for (i, entry) in all.iter().enumerate() {
+                assert!(!all[..i].contains(entry), "{entry:?} twice");
+                let curves = CURVES.iter().filter(|c| (c.0, c.1) == (entry.method, entry.points));
+                assert_eq!(curves.count(), 1, "{entry:?} is on no curve");
+            }
+            for (turn, first) in all.chunks(CURVES.len()).take(FIRST_OF_EACH).enumerate() {
+                for (method, points, name, _) in CURVES {
+                    let of_curve = |e: &&Entry| (e.method, e.points, e.patches) == (method, points, usual);
+                    let own: Vec<&Entry> = first.iter().filter(of_curve).collect();
+                    assert_eq!(own.len(), 1, "{usual} patches: {name} in {first:?}");
+                    let mut costs: Vec<f64> = all.iter().filter(of_curve).map(Entry::nominal).collect();
+                    costs.sort_by(f64::total_cmp);
+                    assert_eq!(own[0].nominal(), costs[turn], "{name}: not its cheapest");
+                }
+            }
+            let dozen = &all[..12.min(all.len())];
+            assert!(Method::ALL.into_iter().all(|m| dozen.iter().any(|e| e.method == m)), "{dozen:?}");
+            let rest = &all[FIRST_OF_EACH * CURVES.len()..];
+            assert!(rest.is_sorted_by(|a, b| a.nominal() <= b.nominal()));
+            for method in [Method::Lines, Method::Hemicube, Method::Rays] {
+                assert!(all.iter().filter(|e| e.method == method && e.patches == usual).count() >= 5);
+            }
         }
-        for method in [Method::Lines, Method::Hemicube, Method::Rays] {
-            assert!(all.iter().filter(|e| e.method == method && e.patches == 2000).count() >= 5);
-        }
+    }
+
+    #[test]
+    fn what_an_entry_will_take_is_foreseen_by_the_dearest_of_its_method() {
+        let entry = |method: Method, resolution: u32| Entry {
+            method,
+            resolution,
+            points: ReceivingPoints::Auto,
+            patches: 2000,
+        };
+        let row = |entry: Entry, times: f64, audit: f64| Row {
+            entry,
+            total_seconds: times * entry.nominal() / 1000.0,
+            budget: crate::accuracy::ErrorBudget { seconds: audit, ..Default::default() },
+            ..Row::default()
+        };
+        let (cheap, dear) = (entry(Method::Hemicube, 64), entry(Method::Hemicube, 1024));
+        assert_eq!(foreseen(dear, &[]), None);
+        // A small solve that was mostly overhead foretells nothing dear once another is known.
+        let rows = [row(cheap, 2.0, 4.0), row(entry(Method::Hemicube, 512), 1.0, 1.0)];
+        let limit = audit_seconds(rows[1].total_seconds);
+        let (solve, told) = (dear.nominal() / 1000.0, foreseen(dear, &rows).unwrap());
+        assert!((told / (solve + 40.0 / limit) - 1.0).abs() < 1e-9, "{told}: its audit is as thorough");
+        // Nor does what another method took, once its own is known.
+        let (rays, lines) = (entry(Method::Rays, 65_536), entry(Method::Lines, 16));
+        let told = foreseen(rays, &rows).unwrap();
+        assert!((told / (rays.nominal() / 1000.0 + 40.0 / limit) - 1.0).abs() < 1e-9, "{told}");
+        let own = [rows.to_vec(), vec![row(lines, 3.0, 0.0)]].concat();
+        let told = foreseen(lines, &own).unwrap();
+        assert!((told / (3.0 * lines.nominal() / 1000.0) - 1.0).abs() < 1e-9, "{told}");
     }
 }

@@ -27,7 +27,8 @@ pub struct Row {
     pub total_seconds: f64,
     /// Most memory held during the solve, bytes.
     pub peak_memory: Option<u64>,
-    /// What the audit found; all zero where no light arrives.
+    /// What the audit found; all zero where no light arrives, and not a number what a table of an earlier
+    /// version does not tell.
     pub budget: ErrorBudget,
 }
 
@@ -70,21 +71,31 @@ pub fn write(path: &Path, rows: &[Row]) -> Result<(), ExportError> {
                 write!(file, ",{seconds:.4}")?;
             }
             write!(file, ",{memory}")?;
+            let estimate = |e: Estimate| [e.error, e.low, e.high].map(scientific).join(",");
             for e in [b.form_factors, b.mesh, b.solver.estimate] {
-                write!(file, ",{:.4e},{:.4e},{:.4e}", e.error, e.low, e.high)?;
+                write!(file, ",{}", estimate(e))?;
             }
             write!(file, ",{:.4e}", b.solver.bound)?;
             for e in [b.total, b.averages, b.local] {
-                write!(file, ",{:.4e},{:.4e},{:.4e}", e.error, e.low, e.high)?;
+                write!(file, ",{}", estimate(e))?;
             }
-            write!(file, ",{:.4e}", b.spread.median.value)?;
+            write!(file, ",{}", scientific(b.spread.median.value))?;
             for within in b.spread.within {
-                write!(file, ",{:.4}", within.value)?;
+                write!(file, ",{}", unless_unknown(within.value, |v| format!("{v:.4}")))?;
             }
             writeln!(file, ",{:.6e},{},{},{:.3}", b.mean_irradiance, b.receivers, b.rays, b.seconds)?;
         }
         Ok(())
     })
+}
+
+/// What is not a number is not known, and its field stays empty.
+fn unless_unknown(value: f64, format: impl Fn(f64) -> String) -> String {
+    if value.is_nan() { String::new() } else { format(value) }
+}
+
+fn scientific(value: f64) -> String {
+    unless_unknown(value, |v| format!("{v:.4e}"))
 }
 
 /// Reads rows that [`write()`] wrote; lines that are none (of another version, cut short) are left out.
@@ -113,7 +124,7 @@ fn parse_row(names: &[&str], line: &str) -> Option<Row> {
         total: estimate("total")?,
         averages: estimate("averages")?,
         // A table of before this column was there is read all the same.
-        local: estimate("local").unwrap_or_default(),
+        local: estimate("local").unwrap_or(Estimate { error: f64::NAN, low: f64::NAN, high: f64::NAN }),
         mean_irradiance: number("mean_irradiance")?,
         receivers: count("receivers")? as usize,
         rays: count("rays")?,
@@ -124,7 +135,8 @@ fn parse_row(names: &[&str], line: &str) -> Option<Row> {
     budget.solver.bound = number("solver_bound")?;
     // So is one of before these were; their intervals are not written.
     let [median, within @ ..] = ["median", "within_1", "within_5", "within_10"].map(|name| {
-        number(name).map_or_else(Ranged::default, |value| Ranged { value, low: value, high: value })
+        let value = number(name).unwrap_or(f64::NAN);
+        Ranged { value, low: value, high: value }
     });
     (budget.spread.median, budget.spread.within) = (median, within);
     Some(Row {
@@ -183,5 +195,42 @@ mod tests {
         let cut = &text[..text.len() - 150];
         assert_eq!(parse(cut), [row], "the last line is cut short");
         assert!(parse("").is_empty() && parse("x,y\n1,2\n").is_empty());
+    }
+
+    #[test]
+    fn what_an_earlier_version_did_not_measure_stays_unknown() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("accuracy.csv");
+        let row = Row { scene: "a room".into(), threads: 1, total_seconds: 2.5, ..Row::default() };
+        write(&path, &[row]).unwrap();
+        // A table without the columns that were added later.
+        let text = std::fs::read_to_string(&path).unwrap();
+        let names: Vec<&str> = text.lines().next().unwrap().split(',').collect();
+        let is_later =
+            |name: &str| ["local", "within", "median"].iter().any(|column| name.starts_with(column));
+        let without = |line: &str| {
+            let fields = names.iter().zip(line.split(',')).filter(|(name, _)| !is_later(name));
+            fields.map(|(_, field)| field).collect::<Vec<_>>().join(",")
+        };
+        let early = text.lines().map(without).collect::<Vec<_>>().join("\n");
+        let mut rows = parse(&early);
+        // Written anew, as by a run that goes on from it, and read again.
+        for _ in 0..2 {
+            assert_eq!((rows.len(), rows[0].total_seconds), (1, 2.5), "{early}");
+            let b = &rows[0].budget;
+            assert!(b.local.error.is_nan() && b.spread.median.value.is_nan(), "{b:?}");
+            assert!(b.spread.within.iter().all(|w| w.value.is_nan()), "{b:?}");
+            write(&path, &rows).unwrap();
+            let anew = std::fs::read_to_string(&path).unwrap();
+            let line = anew.lines().nth(1).unwrap();
+            for (name, field) in names.iter().zip(line.split(',')) {
+                assert_eq!(
+                    field.is_empty(),
+                    is_later(name) || *name == "peak_memory_bytes",
+                    "{name}: {field:?}"
+                );
+            }
+            rows = parse(&anew);
+        }
     }
 }
