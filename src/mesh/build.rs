@@ -1,4 +1,4 @@
-use super::grading::{self, LampFace, Lamps};
+use super::grading::Lamps;
 use super::patches;
 use super::pieces::{self, Cut, Grid};
 use super::reach::{Buried, Reach, Search};
@@ -111,7 +111,7 @@ pub fn build(scene: &Scene, settings: &MeshSettings) -> Result<PatchMesh, MeshEr
         } else {
             let grid = Grid::new(outline, patch_size);
             let near = lamps.beside(outline, sides[index], patch_size);
-            let cuts: Vec<Cut> = pieces::cut(outline, &grid, &contacts[index], &near, patch_size);
+            let cuts: Vec<Cut> = pieces::cut(outline, &grid, &contacts[index], &near);
             pieces::append(&mut mesh, outline, &grid, &cuts);
             patches::group_by_cell(&mesh, mesh.regions[index].pieces.clone(), &grid, &cuts, &contacts[index])
         };
@@ -164,13 +164,13 @@ fn blockers(outlines: &[Outline], size: f64) -> Vec<Vec<glam::DVec3>> {
 /// How many patches more than [`estimate`] says the lit sides have beside lamps.
 fn estimate_beside(outlines: &[Outline], sides: &[[bool; 2]], lamps: &Lamps, size: f64) -> f64 {
     let more = |(outline, sides): (&Outline, &[bool; 2])| {
-        let near: Vec<&LampFace> = lamps.beside(outline, *sides, size);
+        let near = lamps.beside(outline, *sides, size);
         if near.is_empty() {
             return 0.0;
         }
         let grid = Grid::new(outline, size);
         let cells = 0..grid.cells[0] * grid.cells[1];
-        let halves = |cell| grading::leaves(outline, &near, grid.corner(cell), grid.cell, size).len() - 1;
+        let halves = |cell| near.leaves(outline, grid.corner(cell), grid.cell).len() - 1;
         let leaves: usize = cells.map(halves).sum();
         let extent = outline.max - outline.min;
         let filled = (outline.area / (extent.x * extent.y).max(f64::MIN_POSITIVE)).min(1.0);

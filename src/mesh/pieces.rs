@@ -1,6 +1,6 @@
 //! Regions cut into pieces along their grid and along the lines where other surfaces stand on them.
 
-use super::grading::{self, LampFace};
+use super::grading::Beside;
 use super::regions::{Outline, Welder};
 use super::types::{PatchMesh, Piece, PieceCorner, Region};
 use crate::geometry::{Aabb, polygon};
@@ -46,13 +46,7 @@ impl Grid {
 }
 
 /// Cuts every part of the region along the grid, finer beside `lamps`, and along the contact lines.
-pub(super) fn cut(
-    outline: &Outline,
-    grid: &Grid,
-    contacts: &[[DVec2; 2]],
-    lamps: &[&LampFace],
-    size: f64,
-) -> Vec<Cut> {
+pub(super) fn cut(outline: &Outline, grid: &Grid, contacts: &[[DVec2; 2]], lamps: &Beside<'_>) -> Vec<Cut> {
     let mut cuts = Vec::new();
     let mut strip = Vec::new();
     let (mut a, mut b) = (Vec::new(), Vec::new());
@@ -93,7 +87,7 @@ pub(super) fn cut(
         }
     }
     cuts.sort_by_key(|c| c.cell);
-    cuts = grading::halve(cuts, outline, grid, lamps, size);
+    cuts = lamps.halve(cuts, outline, grid);
     if !contacts.is_empty() {
         cuts = split_at_contacts(cuts, grid, contacts);
     }
