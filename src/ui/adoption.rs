@@ -33,8 +33,8 @@ impl App {
         if let Some(before) = before.filter(|before| before.source == scene.source) {
             carry_lamps(&before, &edits, &scene, &mut self.edits);
             if carry_materials(&before, &edits, &scene, &mut self.edits) {
-                // Reading the file again has forgotten them.
-                self.worker.set_materials(self.edits.materials());
+                // Those that the worker has are of the scene as it was read before.
+                self.worker.set_materials(&scene, self.edits.materials());
             }
             carry_views(&before, &views, &mut self.views);
             let is_in_place = before.up == scene.up && before.unit == scene.unit;

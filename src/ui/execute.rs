@@ -221,8 +221,10 @@ impl App {
             self.stale.light = true;
             self.stale.exposure = true;
         }
-        if before.reflectance != self.edits.reflectance {
-            self.worker.set_materials(self.edits.materials());
+        if before.reflectance != self.edits.reflectance
+            && let Some(scene) = &self.scene_shown
+        {
+            self.worker.set_materials(scene, self.edits.materials());
         }
         if before.display != self.edits.display {
             if self.edits.display.quantity == Quantity::Error && before.display.quantity != Quantity::Error {
