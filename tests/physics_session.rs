@@ -268,6 +268,9 @@ fn a_finer_mesh_refines_the_light_that_is_there_and_ends_where_a_fresh_solve_doe
     };
     assert!(seen > 3, "{seen}");
 
+    let timings = end.timings;
+    assert_eq!(timings.first_light, timings.rows, "each patch gathers its own light with its row");
+
     let scene = end.scene.clone().unwrap();
     let fresh = solved(&scene, &asked);
     let refined = end.solved().unwrap();
@@ -455,6 +458,33 @@ fn edits_of_one_scene_touch_no_other() {
     assert_eq!(other.scene.as_ref().unwrap().name, "cornell");
     let own: Vec<[f32; 3]> = mesh.patches.iter().map(|p| p.reflectance.map(|b| b as f32)).collect();
     assert_eq!(*other.reflectance, own);
+}
+
+#[test]
+fn a_request_while_rows_are_balanced_computes_none_again() {
+    let held = Held::coarse();
+    held.hold_at(Stage::Balancing, |session| session.open(SceneSource::Builtin("hemicube".to_owned())));
+    held.watched.repaint(0, [0.2; 3]);
+    held.go_on();
+    let end = held.watched.until("convergence", |s| s.stage == Stage::Converged);
+    assert_eq!(recomputed(&end).0, 0, "{}", end.last_change);
+    assert!(end.reflectance.iter().any(|r| *r == [0.2; 3]));
+    assert!(end.sweeps.last().unwrap().error_bound <= 1e-4);
+}
+
+#[test]
+fn a_rest_before_rows_are_balanced_costs_no_time() {
+    let held = Held::coarse();
+    let clock = std::time::Instant::now();
+    held.hold_at(Stage::Balancing, |session| session.open(SceneSource::Builtin("hemicube".to_owned())));
+    held.watched.session.pause();
+    held.go_on();
+    held.watched.until("rest", |s| s.paused && s.stage == Stage::Balancing);
+    let rest = Duration::from_millis(1500);
+    std::thread::sleep(rest);
+    held.watched.session.resume();
+    let end = held.watched.until("convergence", |s| s.stage == Stage::Converged);
+    assert!(end.timings.solve() < (clock.elapsed() - rest).as_secs_f64(), "{:?}", end.timings);
 }
 
 #[test]

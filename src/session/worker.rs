@@ -381,11 +381,14 @@ impl Worker<'_> {
             let mut known = std::mem::take(&mut self.state.rows);
             let rows = self.with_run(|run| run.rows(&prepared, &system, standing, &mut known));
             self.state.rows = known;
-            let (rows, start) = rows?;
-            let (form_factors, assembled) = self.with_run(|run| run.assemble(&prepared, rows))?;
+            let (mut rows, start) = rows?;
+            self.state.bases = Some(Arc::new(start));
+            let assembled = self.with_run(|run| run.assemble(&prepared, &mut rows));
+            // What is left of them, where it was interrupted.
+            self.state.rows = rows.into_iter().map(Some).collect();
+            let (form_factors, assembled) = assembled?;
             let form_factors = Arc::new(form_factors);
             self.state.form_factors = Some(form_factors.clone());
-            self.state.bases = Some(Arc::new(start));
             self.snapshot.form_factors = Some(form_factors);
             self.snapshot.unshot = None;
             self.snapshot.assembled = Some(assembled);
@@ -457,9 +460,9 @@ impl Worker<'_> {
             }
         }
         self.snapshot.error = Some(sentence.clone());
+        drop(newest);
         self.refused.get_or_insert(sentence);
     }
-        drop(newest);
 
     /// Meshes a scene; keeps the rows where the geometry turns out the same.
     fn prepare(

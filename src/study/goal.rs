@@ -412,8 +412,8 @@ fn solve_until(
         let mut run = Run::new(&mut keep, &cancel, prepared.timings);
         let outcome = (|| {
             let standing = before.and_then(|b| b.bases.carried(&b.mesh, &prepared.mesh));
-            let (rows, start) = run.rows(&prepared, &system, standing, &mut Vec::new())?;
-            let (form_factors, assembled) = run.assemble(&prepared, rows)?;
+            let (mut rows, start) = run.rows(&prepared, &system, standing, &mut Vec::new())?;
+            let (form_factors, assembled) = run.assemble(&prepared, &mut rows)?;
             let (bases, sweeps) =
                 run.sweeps(&prepared, &form_factors, &system, Some(&start), settings.tolerance)?;
             Ok((form_factors, assembled, bases, sweeps))
