@@ -444,6 +444,22 @@ fn stop_keeps_the_picture_and_resume_starts_again() {
 }
 
 #[test]
+fn a_stop_ends_the_rest_and_forgets_no_choice() {
+    let watched = Watched::coarse();
+    watched.session.pause();
+    watched.session.open(SceneSource::Builtin("hemicube".to_owned()));
+    watched.until("rest", |s| s.paused && s.rows.0 > 0);
+    watched.session.set_settings(coarse(500));
+    watched.session.stop();
+    let stopped = watched.until("stop", |s| s.stage == Stage::Stopped);
+    assert!(!stopped.paused, "the next solve would rest at once");
+    assert_eq!(watched.session.settings(), coarse(500));
+    watched.session.resume();
+    let end = watched.until("convergence", |s| s.stage == Stage::Converged);
+    assert_eq!(end.settings, coarse(500));
+}
+
+#[test]
 fn edits_of_one_scene_touch_no_other() {
     let held = Held::coarse();
     let first = held.watched.open_builtin("hemicube");

@@ -222,9 +222,10 @@ impl Session {
         }
     }
 
-    /// Ends the solve; the picture so far stays.
+    /// Ends the solve, and its rest; the picture so far stays.
     pub fn stop(&self) {
         let _held = locked(&self.shared.wanted);
+        self.shared.paused.store(false, Ordering::Release);
         self.shared.stopped.store(true, Ordering::Release);
         self.shared.cancel.store(true, Ordering::Release);
         self.shared.news_for_worker.notify_all();
@@ -459,8 +460,8 @@ impl Worker<'_> {
                 newest.settings.clone_from(&self.state.settings);
             }
         }
-        self.snapshot.error = Some(sentence.clone());
         drop(newest);
+        self.snapshot.error = Some(sentence.clone());
         self.refused.get_or_insert(sentence);
     }
 

@@ -335,6 +335,7 @@ impl App {
             reflectance: &self.picture.reflectance,
             aspect: prepared.map_or(&[], |p| &p.aspect),
             full_lumens: prepared.map_or(&[], |p| &p.full_lumens),
+            settings: self.worker.settings(),
             edits: &self.edits,
             state: &self.state,
             views: &self.views,
