@@ -333,8 +333,9 @@ impl App {
         let name = name.unwrap_or_default();
         self.last_change = format!("opening {name}");
         let known_error = self.snapshot.error.clone();
-        self.opening = Some(Asked { name, serial: self.snapshot.serial, known_error });
+        self.opening = Some(Asked { name, serial: self.snapshot.serial, known_error, scene });
         self.worker.open(source);
+        let scene = self.snapshot.scene.as_ref().map(Arc::downgrade).unwrap_or_default();
     }
 
     pub(super) fn reload(&mut self) {

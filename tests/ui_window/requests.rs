@@ -1,8 +1,42 @@
 //! What the window asks of the solver, and what it says of the answers.
 
-use crate::support::{Counting, click, press, solved, window};
+use crate::support::{Counting, click, press, solution_of, solved, wait_until, window, write_model};
 use egui::Key;
-use lumenwalk::session::Stage;
+use egui_kittest::Harness;
+use egui_kittest::kittest::Queryable as _;
+use lumenwalk::scene::Scene;
+use lumenwalk::session::{Snapshot, Stage};
+use lumenwalk::ui::App;
+use std::path::PathBuf;
+use std::sync::Arc;
+use std::time::Duration;
+
+/// The scene on screen, read again with changes.
+fn read_again(worker: &Counting, change: impl FnOnce(&mut Scene)) {
+    worker.publish(|s| {
+        let mut scene = Scene::clone(s.scene.as_ref().expect("a scene"));
+        change(&mut scene);
+        s.scene = Some(Arc::new(scene));
+        s.mesh_serial += 1;
+    });
+}
+
+fn says(harness: &Harness<'_, App>, text: &str) -> bool {
+    harness.query_all_by_label_contains(text).next().is_some()
+}
+
+fn opened(worker: &Counting) -> Vec<String> {
+    worker.requests().into_iter().filter(|request| request.starts_with("open ")).collect()
+}
+
+/// Lets frames and real time pass, for what would come from a helper thread.
+fn wait_a_while(harness: &mut Harness<'_, App>, time: Duration) {
+    let end = std::time::Instant::now() + time;
+    while std::time::Instant::now() < end {
+        harness.step();
+        std::thread::sleep(Duration::from_millis(10));
+    }
+}
 
 #[test]
 fn a_choice_is_added_to_the_one_that_is_not_in_force_yet() {
@@ -28,3 +62,81 @@ fn the_key_for_a_rest_does_nothing_while_nothing_runs() {
     press(&mut harness, Key::P);
     assert_eq!(worker.requests(), ["resume"]);
 }
+
+#[test]
+fn a_file_that_takes_frames_to_be_refused_is_said_not_to_be_opened() {
+    let worker = Counting::showing(solved());
+    worker.publish(|s| s.last_change = "opened room: 700 rows, 6 sweeps, 1.0 s".to_owned());
+    let mut harness = window(&worker, false);
+    press(&mut harness, Key::F5);
+    assert!(says(&harness, "opening room.obj"));
+    worker.publish(|s| s.stage = Stage::Loading);
+    harness.run_steps(3);
+    let refusal = |s: &mut Snapshot| {
+        (s.stage, s.error) = (Stage::Converged, Some("room.obj: no faces".to_owned()));
+    };
+    worker.publish(refusal);
+    harness.run_steps(3);
+    assert!(says(&harness, "room.obj was not opened") && !says(&harness, "700 rows, 6 sweeps"));
+}
+
+#[test]
+fn a_scene_that_is_too_large_to_solve_was_opened_all_the_same() {
+    let worker = Counting::showing(solved());
+    let mut harness = window(&worker, false);
+    press(&mut harness, Key::F5);
+    read_again(&worker, |_| {});
+    worker.publish(|s| s.stage = Stage::Meshing);
+    harness.run_steps(3);
+    worker.publish(|s| (s.stage, s.error) = (Stage::Failed, Some("too many patches".to_owned())));
+    harness.run_steps(3);
+    assert!(says(&harness, "too many patches") && says(&harness, "not solved"));
+    assert!(!says(&harness, "was not opened"));
+}
+
+#[test]
+fn an_error_that_was_dismissed_is_told_when_it_comes_again() {
+    let worker = Counting::showing(solved());
+    let mut harness = window(&worker, false);
+    let fails = |s: &mut Snapshot| (s.stage, s.error) = (Stage::Failed, Some("too many patches".to_owned()));
+    worker.publish(fails);
+    harness.run_steps(3);
+    click(&mut harness, "Dismiss");
+    assert!(!says(&harness, "too many patches"));
+    worker.publish(|s| (s.stage, s.error) = (Stage::Converged, None));
+    harness.run_steps(3);
+    worker.publish(fails);
+    harness.run_steps(3);
+    assert!(says(&harness, "too many patches"));
+}
+
+/// A window on a model that lies in a folder.
+fn on_disk() -> (tempfile::TempDir, PathBuf, Counting) {
+    let folder = tempfile::tempdir().expect("a folder");
+    let model = write_model(folder.path());
+    let worker = Counting::showing(solution_of(&model));
+    (folder, model, worker)
+}
+
+#[test]
+fn a_change_of_the_old_file_does_not_call_off_the_new_one() {
+    let (_folder, model, worker) = on_disk();
+    let mut harness = window(&worker, false);
+    let text = std::fs::read_to_string(&model).expect("there");
+    std::fs::write(&model, format!("{text}# changed\n")).expect("written");
+    wait_until(&mut harness, "the change", |_| opened(&worker).len() == 1);
+    // It has been read again, and then another one is asked for.
+    read_again(&worker, |_| {});
+    harness.run_steps(3);
+    let other = PathBuf::from("/models/other.obj");
+    harness.input_mut().dropped_files.push(Arc::new(crate::files::Dropped(other)));
+    harness.run_steps(2);
+    assert_eq!(opened(&worker).len(), 2);
+    // Until the watcher that was begun anew has looked once.
+    wait_a_while(&mut harness, Duration::from_millis(300));
+    std::fs::write(&model, format!("{text}# changed again\n")).expect("written");
+    wait_a_while(&mut harness, Duration::from_millis(2500));
+    assert_eq!(opened(&worker).last().map(String::as_str), Some("open /models/other.obj"));
+    assert_eq!(opened(&worker).len(), 2);
+}
+
