@@ -4,7 +4,7 @@ use crate::support::{Counting, click, press, solution_of, solved, wait_until, wi
 use egui::Key;
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable as _;
-use lumenwalk::scene::Scene;
+use lumenwalk::scene::{LengthUnit, Scene, SceneSource, View};
 use lumenwalk::session::{Snapshot, Stage};
 use lumenwalk::ui::App;
 use std::path::PathBuf;
@@ -108,6 +108,55 @@ fn an_error_that_was_dismissed_is_told_when_it_comes_again() {
     worker.publish(fails);
     harness.run_steps(3);
     assert!(says(&harness, "too many patches"));
+}
+
+/// Bookmarks by these names, each in another place.
+fn views(names: &[&str]) -> Vec<View> {
+    let view = |(k, name): (usize, &&str)| View {
+        name: (*name).to_owned(),
+        eye: glam::dvec3(0.5 + 0.5 * k as f64, 1.6, 2.5),
+        target: glam::dvec3(2.0, 1.5, 1.0),
+        fov_y_deg: 60.0,
+    };
+    names.iter().enumerate().map(view).collect()
+}
+
+#[test]
+fn bookmarks_of_another_scene_are_walked_through_from_the_first() {
+    let worker = Counting::showing(solved());
+    let mut harness = window(&worker, false);
+    read_again(&worker, |scene| scene.views = views(&["One", "Two", "Three"]));
+    wait_until(&mut harness, "the views", |h| says(h, "Three"));
+    for _ in 0..3 {
+        press(&mut harness, Key::CloseBracket);
+    }
+    let next = views(&["East", "South", "West", "North"]);
+    let (first, source) = (next[0].eye, SceneSource::Builtin("other".to_owned()));
+    read_again(&worker, |scene| (scene.views, scene.source) = (next, source));
+    wait_until(&mut harness, "the other scene", |h| says(h, "North"));
+    harness.run_steps(30);
+    press(&mut harness, Key::End);
+    press(&mut harness, Key::CloseBracket);
+    harness.run_steps(90);
+    let eye = harness.state().camera().expect("shown").eye;
+    assert!(eye.distance(first) < 1e-6, "{eye}");
+}
+
+#[test]
+fn stored_bookmarks_stay_while_the_model_stays_in_its_place() {
+    let worker = Counting::showing(solved());
+    let mut harness = window(&worker, false);
+    click(&mut harness, "Store view");
+    assert!(says(&harness, "View 2"));
+    read_again(&worker, |scene| scene.views[0].name = "Gate".to_owned());
+    wait_until(&mut harness, "the scene", |h| says(h, "Gate"));
+    assert!(says(&harness, "View 2"));
+    read_again(&worker, |scene| {
+        scene.views[0].name = "Hatch".to_owned();
+        scene.unit = LengthUnit::Foot;
+    });
+    wait_until(&mut harness, "the scene in feet", |h| says(h, "Hatch"));
+    assert!(!says(&harness, "View 2"), "its place is another one now");
 }
 
 /// A window on a model that lies in a folder.
