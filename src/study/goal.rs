@@ -256,7 +256,8 @@ fn too_fine(model: &CostModel, limits: Limits) -> String {
     )
 }
 
-fn settings_of(fineness: Fineness, goal: Goal, effects: &EffectChoices) -> SolveSettings {
+/// Settings of a solve of this fineness on the way to a goal: the sweeps add nothing to its error that counts.
+pub fn settings_of(fineness: Fineness, goal: Goal, effects: &EffectChoices) -> SolveSettings {
     let tolerance = match goal {
         // The bound is of the largest error of any patch; a fiftieth of the mean one is never felt.
         Goal::Error(error) => (0.02 * error).clamp(1e-7, 1e-2),
