@@ -79,7 +79,10 @@ impl App {
             Command::RemoveView(index) => self.remove_view(index),
             Command::SaveSidecar => self.save_sidecar(),
             Command::SetFrame(unit, up) => {
-                if let Some(SceneSource::File(path)) = self.scene_shown.as_ref().map(|scene| &scene.source) {
+                if let Some(scene) = &self.scene_shown
+                    && let SceneSource::File(path) = &scene.source
+                    && (scene.unit, scene.up) != (unit, up)
+                {
                     self.files.save_frame(path, unit, up);
                 }
             }
@@ -332,10 +335,10 @@ impl App {
         };
         let name = name.unwrap_or_default();
         self.last_change = format!("opening {name}");
+        let scene = self.snapshot.scene.as_ref().map(Arc::downgrade).unwrap_or_default();
         let known_error = self.snapshot.error.clone();
         self.opening = Some(Asked { name, serial: self.snapshot.serial, known_error, scene });
         self.worker.open(source);
-        let scene = self.snapshot.scene.as_ref().map(Arc::downgrade).unwrap_or_default();
     }
 
     pub(super) fn reload(&mut self) {

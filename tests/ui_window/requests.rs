@@ -189,3 +189,22 @@ fn a_change_of_the_old_file_does_not_call_off_the_new_one() {
     assert_eq!(opened(&worker).len(), 2);
 }
 
+#[test]
+fn the_unit_in_force_is_not_written_again() {
+    let (_folder, model, worker) = on_disk();
+    let sidecar = model.with_extension("toml");
+    let before = std::fs::read_to_string(&sidecar).expect("there");
+    let mut harness = window(&worker, false);
+    let choose = |harness: &mut Harness<'_, App>, name: &str| {
+        for name in ["File", "Unit and up axis", name] {
+            harness.get_by_label_contains(name).click();
+            harness.run_steps(5);
+        }
+    };
+    choose(&mut harness, "Y is up");
+    wait_a_while(&mut harness, Duration::from_millis(500));
+    assert_eq!(std::fs::read_to_string(&sidecar).expect("there"), before);
+    assert_eq!(opened(&worker), Vec::<String>::new());
+    choose(&mut harness, "Z is up");
+    wait_until(&mut harness, "another axis", |_| opened(&worker).len() == 1);
+}
