@@ -72,6 +72,7 @@ impl Watched {
 struct Held {
     // Dropped first: the worker must not wait for it while it is joined.
     let_go: Sender<()>,
+    held: Receiver<()>,
     holds: Arc<AtomicBool>,
     watched: Watched,
 }
@@ -79,28 +80,28 @@ struct Held {
 impl Held {
     fn coarse() -> Self {
         let (tell, news) = channel();
+        let (hold, held) = channel();
         let (let_go, gone) = channel();
         let gone = Mutex::new(gone);
         let holds = Arc::new(AtomicBool::new(false));
-        let held = Arc::clone(&holds);
+        let is_holding = Arc::clone(&holds);
         let session = Session::spawn(move || {
             tell.send(()).unwrap_or(());
-            if held.load(Ordering::SeqCst) {
+            if is_holding.load(Ordering::SeqCst) && hold.send(()).is_ok() {
                 gone.lock().unwrap().recv().unwrap_or(());
             }
         });
         let watched = Watched { session: session.expect("a thread"), news };
         watched.session.set_settings(coarse(300));
-        Self { let_go, holds, watched }
+        Self { let_go, held, holds, watched }
     }
 
-    /// Asks for something while the worker rests, and holds it at the first snapshot of this stage.
+    /// Asks for something while the worker has nothing to do, and holds it at the next snapshot of this stage.
     fn hold_at(&self, stage: Stage, ask: impl FnOnce(&Session)) {
-        while self.watched.news.try_recv().is_ok() {}
         self.holds.store(true, Ordering::SeqCst);
         ask(&self.watched.session);
         loop {
-            self.watched.news.recv_timeout(Duration::from_secs(300)).expect("news");
+            self.held.recv_timeout(Duration::from_secs(300)).expect("news");
             if self.watched.session.latest().stage == stage {
                 return;
             }

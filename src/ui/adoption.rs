@@ -123,7 +123,11 @@ mod tests {
     const MTL: &str = "newmtl wall\nKd 0.5 0.5 0.5\nnewmtl glow\nKd 0.8 0.8 0.8\nKe 3 3 3\n";
 
     fn read(faces: &str, sidecar: &str) -> Scene {
-        scene::from_text("t", &format!("{OBJ}{faces}"), MTL, Some(sidecar)).expect("a scene")
+        painted(faces, MTL, sidecar)
+    }
+
+    fn painted(faces: &str, mtl: &str, sidecar: &str) -> Scene {
+        scene::from_text("t", &format!("{OBJ}{faces}"), mtl, Some(sidecar)).expect("a scene")
     }
 
     #[test]
@@ -131,12 +135,14 @@ mod tests {
         let floor = "o floor\nusemtl wall\nf 4 3 2 1\n";
         let lamp = "o lamp\nusemtl glow\nf 5 6 7 8\n";
         let before = read(&format!("{floor}{lamp}"), "[[luminaire]]\nobject = \"lamp\"\nname = \"Lamp\"\n");
-        // The other way round, with a lamp more, and with a bookmark.
+        // The other way round, with a lamp and a material more, and with a bookmark.
         let more = "o second\nusemtl glow\nf 1 2 6 5\n";
         let sidecar = "[[luminaire]]\nobject = \"second\"\nname = \"Second\"\n\
                        [[luminaire]]\nobject = \"lamp\"\nname = \"Lamp\"\n\
                        [[view]]\nname = \"Door\"\neye = [0.5, 1, 0.5]\ntarget = [1, 1, 1]\n";
-        let now = read(&format!("{more}{lamp}{floor}"), sidecar);
+        let mtl = format!("newmtl tile\nKd 0.4 0.4 0.4\n{MTL}");
+        let tiled = "o tiles\nusemtl tile\nf 2 3 7 6\n";
+        let now = painted(&format!("{tiled}{more}{lamp}{floor}"), &mtl, sidecar);
         let mut edits = Edits::of_scene(&before, DisplaySettings::default());
         edits.lighting.lamps[0].dimmer = 0.25;
         let wall = before.materials.iter().position(|m| m.name == "wall").expect("there");
@@ -146,8 +152,9 @@ mod tests {
         carry_lamps(&before, &edits, &now, &mut new);
         assert!(carry_materials(&before, &edits, &now, &mut new));
         assert_eq!((new.lighting.lamps[1].dimmer, new.lighting.lamps[0]), (0.25, second));
-        let wall = now.materials.iter().position(|m| m.name == "wall").expect("there");
-        assert_eq!(new.reflectance[wall], Some([0.1, 0.2, 0.3]));
+        let here = now.materials.iter().position(|m| m.name == "wall").expect("there");
+        assert_ne!(here, wall);
+        assert_eq!(new.reflectance[here], Some([0.1, 0.2, 0.3]));
 
         let stored = View { name: "View 4".to_owned(), ..now.views[0].clone() };
         let mut views = now.views.clone();

@@ -399,7 +399,7 @@ mod tests {
     use crate::accuracy::Estimate;
     use crate::form_factors::ReceivingPoints;
     use crate::mesh::PatchTarget;
-    use crate::session::Timings;
+    use crate::session::{Control, Timings, solve};
 
     fn budget(form_factors: f64, mesh: f64) -> ErrorBudget {
         let estimate = |error: f64| Estimate { error, low: 0.9 * error, high: 1.1 * error };
@@ -461,15 +461,26 @@ mod tests {
         assert!(!auditor.is_reaching() && auditor.verdict.starts_with("Not reached"), "{}", auditor.verdict);
     }
 
-    /// A light that has converged, though no real one.
+    /// A coarse light that has converged.
     fn converged() -> Snapshot {
         let scene = crate::scene::load(&crate::scene::SceneSource::Builtin("cornell".to_owned())).unwrap();
+        let settings = SolveSettings {
+            patches: PatchTarget::Count(60),
+            resolution: Some(16),
+            ..SolveSettings::default()
+        };
+        let never = AtomicBool::new(false);
+        let solved = solve(Arc::new(scene), &settings, &never, &mut |_| Control::Continue).unwrap();
         Snapshot {
             stage: Stage::Converged,
-            scene: Some(Arc::new(scene)),
-            mesh: Some(Arc::default()),
-            form_factors: Some(Arc::default()),
-            bases: Some(Arc::default()),
+            scene: Some(solved.scene),
+            mesh: Some(solved.mesh),
+            plan: Some(solved.plan),
+            computer: Some(solved.computer),
+            form_factors: Some(solved.form_factors),
+            assembled: Some(solved.assembled),
+            bases: Some(solved.bases),
+            settings,
             ..Snapshot::default()
         }
     }
@@ -483,6 +494,7 @@ mod tests {
         let findings = Findings { budget: budget(0.001, 0.002), ..Findings::default() };
         sender.send(Some(Checked { findings, overhead: None })).unwrap();
         auditor.seen = Some((bases.clone(), lighting.clone()));
+        auditor.steps = Some(0);
         auditor.job = Some(Job { bases, lighting: lighting.clone(), cancel: Arc::default(), answer });
         auditor
     }
@@ -494,12 +506,14 @@ mod tests {
         let mut auditor = answered(&snapshot, &lighting);
         auditor.follow(&snapshot, &lighting, None, 1.0, || {});
         assert_eq!(auditor.budget, Some(budget(0.001, 0.002)));
+        assert!(auditor.verdict.starts_with("Reached"), "{}", auditor.verdict);
 
         let mut auditor = answered(&snapshot, &lighting);
         let mut switched = lighting.clone();
         switched.lamps[0].on = false;
         auditor.follow(&snapshot, &switched, None, 0.1, || {});
         assert!(auditor.budget.is_none() && auditor.findings.is_none() && !auditor.is_busy());
+        assert!(auditor.is_reaching() && auditor.verdict.is_empty(), "{}", auditor.verdict);
     }
 
     #[test]
