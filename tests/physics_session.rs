@@ -485,7 +485,7 @@ fn a_request_while_rows_are_balanced_computes_none_again() {
     held.go_on();
     let end = held.watched.until("convergence", |s| s.stage == Stage::Converged);
     assert_eq!(recomputed(&end).0, 0, "{}", end.last_change);
-    assert!(end.reflectance.iter().any(|r| *r == [0.2; 3]));
+    assert!(end.reflectance.contains(&[0.2; 3]));
     assert!(end.sweeps.last().unwrap().error_bound <= 1e-4);
 }
 
@@ -518,7 +518,7 @@ fn a_refused_file_takes_nothing_with_it_that_was_asked_for_beside_it() {
     assert_eq!((&end.settings, &held.watched.session.settings()), (&by_hemicube, &by_hemicube));
     assert_eq!(recomputed(&end).0, end.rows.1, "{}", end.last_change);
     assert!(!Arc::ptr_eq(end.form_factors.as_ref().unwrap(), first.form_factors.as_ref().unwrap()));
-    assert!(end.reflectance.iter().any(|r| *r == [0.2; 3]), "the paint too");
+    assert!(end.reflectance.contains(&[0.2; 3]), "the paint too");
 }
 
 #[test]

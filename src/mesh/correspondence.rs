@@ -84,7 +84,12 @@ mod tests {
                     assert_ne!(place, NO_PATCH);
                     let there = &to.patches[place as usize];
                     assert_eq!((patch.region, patch.side), (there.region, there.side));
-                    beyond += usize::from(!covers(to, there, patch.centre));
+                    if !covers(to, there, patch.centre) {
+                        beyond += 1;
+                        let here = |p: &&Patch| (p.region, p.side) == (patch.region, patch.side);
+                        let mut others = to.patches.iter().filter(here);
+                        assert!(!others.any(|other| covers(to, other, patch.centre)), "{name}: {index}");
+                    }
                     assert!(!std::ptr::eq(from, to) || place as usize == index);
                 }
                 // A centre may lie where the other mesh has cut a corner of the floor away.
