@@ -77,11 +77,12 @@ fn stages(criterion: &mut Criterion) {
     let mut group = criterion.benchmark_group(format!("hemicube, {patches} patches"));
     group.sample_size(10).measurement_time(Duration::from_secs(4)).warm_up_time(Duration::from_millis(500));
     group.bench_function("all rows", |b| b.iter(|| all_rows(&made)));
-    let rows = all_rows(&made);
+    let mut rows = all_rows(&made);
     group.bench_function("assemble", |b| {
-        b.iter(|| FormFactors::assemble(&made.computer, rows.clone(), &|| false));
+        b.iter(|| FormFactors::assemble(&made.computer, &mut rows.clone(), &|| false));
     });
-    let (form_factors, _) = FormFactors::assemble(&made.computer, rows, &|| false).expect("not cancelled");
+    let (form_factors, _) =
+        FormFactors::assemble(&made.computer, &mut rows, &|| false).expect("not cancelled");
     let system = system(&made, &patch_reflectance(&made.mesh, &|_| None));
     let start = GaussSeidel::new(&made.mesh, &form_factors, &system, None);
     group.bench_function("one sweep with its correction", |b| {
@@ -147,7 +148,7 @@ fn effects(criterion: &mut Criterion) {
         let made = prepare(scene.clone(), &settings).expect("a mesh");
         group.bench_function(BenchmarkId::new("all rows (visibility)", name), |b| b.iter(|| all_rows(&made)));
         let (form_factors, _) =
-            FormFactors::assemble(&made.computer, all_rows(&made), &|| false).expect("not cancelled");
+            FormFactors::assemble(&made.computer, &mut all_rows(&made), &|| false).expect("not cancelled");
         let system = system(&made, &patch_reflectance(&made.mesh, &|_| None));
         let start = GaussSeidel::new(&made.mesh, &form_factors, &system, None);
         group.bench_function(BenchmarkId::new("one sweep (bands)", name), |b| {

@@ -8,9 +8,9 @@ use lumenwalk::mesh::PatchTarget;
 use lumenwalk::scene::SceneSource;
 use lumenwalk::session::{MaterialEdit, Session, Snapshot, SolveSettings, Stage};
 use std::path::Path;
-use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::mpsc::{Receiver, RecvTimeoutError, channel};
+use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
+use std::sync::{Arc, Mutex};
 use std::time::Duration;
 
 /// A session that tells of every snapshot.
@@ -55,10 +55,63 @@ impl Watched {
         self.until("convergence", |s| s.stage == Stage::Converged && s.last_change != before.last_change)
     }
 
+    /// Gives a material of the present scene another reflectance.
+    fn repaint(&self, material: u32, reflectance: [f64; 3]) {
+        let scene = self.session.latest().scene.clone().expect("a scene");
+        self.session.set_materials(&scene, vec![MaterialEdit { material, reflectance }]);
+    }
+
     fn open_builtin(&self, name: &str) -> Arc<Snapshot> {
         let before = self.session.latest();
         self.session.open(SceneSource::Builtin(name.to_owned()));
         self.converged(&before)
+    }
+}
+
+/// A session whose worker can be held after a snapshot of some stage, until it is let go.
+struct Held {
+    // Dropped first: the worker must not wait for it while it is joined.
+    let_go: Sender<()>,
+    held: Receiver<()>,
+    holds: Arc<AtomicBool>,
+    watched: Watched,
+}
+
+impl Held {
+    fn coarse() -> Self {
+        let (tell, news) = channel();
+        let (hold, held) = channel();
+        let (let_go, gone) = channel();
+        let gone = Mutex::new(gone);
+        let holds = Arc::new(AtomicBool::new(false));
+        let is_holding = Arc::clone(&holds);
+        let session = Session::spawn(move || {
+            tell.send(()).unwrap_or(());
+            if is_holding.load(Ordering::SeqCst) && hold.send(()).is_ok() {
+                gone.lock().unwrap().recv().unwrap_or(());
+            }
+        });
+        let watched = Watched { session: session.expect("a thread"), news };
+        watched.session.set_settings(coarse(300));
+        Self { let_go, held, holds, watched }
+    }
+
+    /// Asks for something while the worker has nothing to do, and holds it at the next snapshot of this stage.
+    fn hold_at(&self, stage: Stage, ask: impl FnOnce(&Session)) {
+        self.holds.store(true, Ordering::SeqCst);
+        ask(&self.watched.session);
+        loop {
+            self.held.recv_timeout(Duration::from_secs(300)).expect("news");
+            if self.watched.session.latest().stage == stage {
+                return;
+            }
+            self.let_go.send(()).expect("it waits");
+        }
+    }
+
+    fn go_on(&self) {
+        self.holds.store(false, Ordering::SeqCst);
+        self.let_go.send(()).expect("it waits");
     }
 }
 
@@ -134,7 +187,7 @@ fn a_reflectance_costs_sweeps_and_no_row() {
     let scene = first.scene.clone().unwrap();
     let material = scene.materials.iter().position(|m| m.name == "red").unwrap() as u32;
     let edit = MaterialEdit { material, reflectance: [0.05, 0.1, 0.7] };
-    watched.session.set_materials(vec![edit]);
+    watched.session.set_materials(&scene, vec![edit]);
     let edited = watched.converged(&first);
     let (rows, sweeps) = recomputed(&edited);
     assert_eq!(rows, 0, "{}", edited.last_change);
@@ -169,6 +222,7 @@ fn a_tolerance_costs_no_row_and_a_patch_size_all() {
     assert!(sweeps > 0, "{}", finer.last_change);
     let bound = finer.sweeps.last().unwrap().error_bound;
     assert!(bound <= asked, "{bound}, asked for {asked}, before {reached}");
+    assert_eq!(finer.settings.tolerance, asked, "the window shows what is in force");
 
     watched.session.set_settings(coarse(3500));
     let smaller = watched.converged(&finer);
@@ -214,6 +268,9 @@ fn a_finer_mesh_refines_the_light_that_is_there_and_ends_where_a_fresh_solve_doe
         }
     };
     assert!(seen > 3, "{seen}");
+
+    let timings = end.timings;
+    assert_eq!(timings.first_light, timings.rows, "each patch gathers its own light with its row");
 
     let scene = end.scene.clone().unwrap();
     let fresh = solved(&scene, &asked);
@@ -266,7 +323,7 @@ fn a_missing_file_leaves_the_present_scene() {
     assert!(Arc::ptr_eq(failed.scene.as_ref().unwrap(), first.scene.as_ref().unwrap()));
     assert!(Arc::ptr_eq(failed.bases.as_ref().unwrap(), first.bases.as_ref().unwrap()));
     // And it can still be worked with.
-    watched.session.set_materials(vec![MaterialEdit { material: 0, reflectance: [0.2; 3] }]);
+    watched.repaint(0, [0.2; 3]);
     let edited = watched.converged(&failed);
     assert_eq!(recomputed(&edited).0, 0, "{}", edited.last_change);
     assert_eq!(edited.error, None);
@@ -284,7 +341,7 @@ fn a_file_that_is_refused_interrupts_a_solve_and_forgets_no_edit() {
     assert_eq!(whole.scene.as_ref().unwrap().name, "hemicube");
     assert_eq!(whole.rows.0, whole.rows.1);
 
-    watched.session.set_materials(vec![MaterialEdit { material: 0, reflectance: [0.2; 3] }]);
+    watched.repaint(0, [0.2; 3]);
     let edited = watched.converged(&whole);
     watched.session.open(SceneSource::File("no/such/file.obj".into()));
     let refused = watched.until("refusal", |s| s.error.is_some());
@@ -341,8 +398,7 @@ fn an_edit_while_rows_come_keeps_those_that_are_there_and_a_rest_costs_no_time()
     let rest = Duration::from_millis(1500);
     std::thread::sleep(rest);
     let material = resting.scene.as_ref().unwrap().materials.iter().position(|m| m.name == "white").unwrap();
-    let edit = MaterialEdit { material: material as u32, reflectance: [0.5, 0.4, 0.3] };
-    watched.session.set_materials(vec![edit]);
+    watched.repaint(material as u32, [0.5, 0.4, 0.3]);
     watched.session.resume();
     let end = watched.converged(&resting);
     let (rows, _) = recomputed(&end);
@@ -353,7 +409,7 @@ fn an_edit_while_rows_come_keeps_those_that_are_there_and_a_rest_costs_no_time()
     let watched = Watched::new();
     watched.session.set_settings(asked);
     let before = watched.open_builtin("hemicube");
-    watched.session.set_materials(vec![edit]);
+    watched.repaint(material as u32, [0.5, 0.4, 0.3]);
     let direct = watched.converged(&before);
     let (a, b) = (&end.bases.as_ref().unwrap().values, &direct.bases.as_ref().unwrap().values);
     let largest = b.iter().copied().fold(0.0, f32::max);
@@ -386,6 +442,101 @@ fn stop_keeps_the_picture_and_resume_starts_again() {
     assert!(stopped.bases.is_some() && stopped.mesh.is_some() && stopped.error.is_none());
     watched.session.resume();
     watched.until("convergence", |s| s.stage == Stage::Converged);
+}
+
+#[test]
+fn a_stop_ends_the_rest_and_forgets_no_choice() {
+    let watched = Watched::coarse();
+    watched.session.pause();
+    watched.session.open(SceneSource::Builtin("hemicube".to_owned()));
+    watched.until("rest", |s| s.paused && s.rows.0 > 0);
+    watched.session.set_settings(coarse(500));
+    watched.session.stop();
+    let stopped = watched.until("stop", |s| s.stage == Stage::Stopped);
+    assert!(!stopped.paused, "the next solve would rest at once");
+    assert_eq!(watched.session.settings(), coarse(500));
+    watched.session.resume();
+    let end = watched.until("convergence", |s| s.stage == Stage::Converged);
+    assert_eq!(end.settings, coarse(500));
+}
+
+#[test]
+fn edits_of_one_scene_touch_no_other() {
+    let held = Held::coarse();
+    let first = held.watched.open_builtin("hemicube");
+    held.hold_at(Stage::Loading, |session| session.open(SceneSource::Builtin("cornell".to_owned())));
+    // The window still shows the first.
+    for material in 0..3 {
+        held.watched.repaint(material, [0.15, 0.25, 0.35]);
+    }
+    held.go_on();
+    let other = held.watched.converged(&first);
+    let mesh = other.mesh.as_ref().unwrap();
+    assert_eq!(other.scene.as_ref().unwrap().name, "cornell");
+    let own: Vec<[f32; 3]> = mesh.patches.iter().map(|p| p.reflectance.map(|b| b as f32)).collect();
+    assert_eq!(*other.reflectance, own);
+}
+
+#[test]
+fn a_request_while_rows_are_balanced_computes_none_again() {
+    let held = Held::coarse();
+    held.hold_at(Stage::Balancing, |session| session.open(SceneSource::Builtin("hemicube".to_owned())));
+    held.watched.repaint(0, [0.2; 3]);
+    held.go_on();
+    let end = held.watched.until("convergence", |s| s.stage == Stage::Converged);
+    assert_eq!(recomputed(&end).0, 0, "{}", end.last_change);
+    assert!(end.reflectance.contains(&[0.2; 3]));
+    assert!(end.sweeps.last().unwrap().error_bound <= 1e-4);
+}
+
+#[test]
+fn a_rest_before_rows_are_balanced_costs_no_time() {
+    let held = Held::coarse();
+    let clock = std::time::Instant::now();
+    held.hold_at(Stage::Balancing, |session| session.open(SceneSource::Builtin("hemicube".to_owned())));
+    held.watched.session.pause();
+    held.go_on();
+    held.watched.until("rest", |s| s.paused && s.stage == Stage::Balancing);
+    let rest = Duration::from_millis(1500);
+    std::thread::sleep(rest);
+    held.watched.session.resume();
+    let end = held.watched.until("convergence", |s| s.stage == Stage::Converged);
+    assert!(end.timings.solve() < (clock.elapsed() - rest).as_secs_f64(), "{:?}", end.timings);
+}
+
+#[test]
+fn a_refused_file_takes_nothing_with_it_that_was_asked_for_beside_it() {
+    let held = Held::coarse();
+    let first = held.watched.open_builtin("hemicube");
+    let by_hemicube = SolveSettings { method: Method::Hemicube, resolution: Some(32), ..coarse(300) };
+    held.hold_at(Stage::Meshing, |session| session.set_settings(by_hemicube.clone()));
+    held.watched.session.open(SceneSource::File("no/such/file.obj".into()));
+    held.watched.repaint(0, [0.2; 3]);
+    held.go_on();
+    let end = held.watched.until("answer", |s| s.stage == Stage::Converged && s.error.is_some());
+    assert!(end.error.as_deref().is_some_and(|e| e.contains("file.obj")), "{:?}", end.error);
+    assert_eq!((&end.settings, &held.watched.session.settings()), (&by_hemicube, &by_hemicube));
+    assert_eq!(recomputed(&end).0, end.rows.1, "{}", end.last_change);
+    assert!(!Arc::ptr_eq(end.form_factors.as_ref().unwrap(), first.form_factors.as_ref().unwrap()));
+    assert!(end.reflectance.contains(&[0.2; 3]), "the paint too");
+}
+
+#[test]
+fn refused_settings_are_wanted_no_more() {
+    let watched = Watched::coarse();
+    let first = watched.open_builtin("hemicube");
+    let hopeless =
+        SolveSettings { method: Method::Hemicube, patches: PatchTarget::Size(1e-6), ..coarse(300) };
+    watched.session.set_settings(hopeless);
+    let refused = watched.until("refusal", |s| s.error.is_some() && s.stage == Stage::Converged);
+    assert_eq!((&refused.settings, &watched.session.settings()), (&coarse(300), &coarse(300)));
+    assert!(Arc::ptr_eq(refused.form_factors.as_ref().unwrap(), first.form_factors.as_ref().unwrap()));
+    // The method can be chosen all the same, and is carried out.
+    let by_hemicube = SolveSettings { method: Method::Hemicube, resolution: Some(32), ..coarse(300) };
+    watched.session.set_settings(by_hemicube.clone());
+    let end = watched.converged(&refused);
+    assert_eq!((&end.settings, &end.error), (&by_hemicube, &None));
+    assert_eq!(recomputed(&end).0, end.rows.1, "{}", end.last_change);
 }
 
 #[test]

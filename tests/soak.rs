@@ -82,11 +82,17 @@ fn soak(length: Duration, seed: u64) {
                 settings.tolerance = [1e-3, 1e-4, 1e-6][random.below(3)];
                 session.set_settings(settings.clone());
             }
-            4..=6 => session.set_materials(vec![MaterialEdit {
-                material: random.below(2) as u32,
-                reflectance: [random.share() * 0.98, random.share() * 0.9, random.share()]
-                    .map(|r| r.min(0.98)),
-            }]),
+            4..=6 => {
+                let edit = MaterialEdit {
+                    material: random.below(2) as u32,
+                    reflectance: [random.share() * 0.98, random.share() * 0.9, random.share()]
+                        .map(|r| r.min(0.98)),
+                };
+                // At times of a scene that is about to be replaced.
+                if let Some(scene) = &session.latest().scene {
+                    session.set_materials(scene, vec![edit]);
+                }
+            }
             7 => session.pause(),
             8 => session.resume(),
             9 => session.stop(),
@@ -122,7 +128,7 @@ fn soak(length: Duration, seed: u64) {
     session.open(source.clone());
     session.set_settings(last.clone());
     settle(&session, &news, name, &last);
-    session.set_materials(vec![edit]);
+    session.set_materials(session.latest().scene.as_ref().expect("settled"), vec![edit]);
     loop {
         let latest = session.latest();
         let painted = latest.reflectance.iter().any(|r| (r[2] - 0.8).abs() < 1e-6);

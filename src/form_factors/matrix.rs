@@ -68,10 +68,11 @@ impl FormFactors {
     /// 3. A symmetric scaling (Sinkhorn & Knopp 1967) gives every row its sum: one where the point
     ///    saw no opening, else what was sampled and then mended for close pairs.
     ///
-    /// Polls `cancelled` often; `None` if it says so.
+    /// Polls `cancelled` often; `None` if it says so. The rows are emptied once they are not needed any more,
+    /// to make room for the matrix; before, they are left as they were.
     pub fn assemble(
         computer: &RowComputer,
-        rows: Vec<Row>,
+        rows: &mut Vec<Row>,
         cancelled: &(dyn Fn() -> bool + Sync),
     ) -> Option<(Self, AssembleReport)> {
         let mesh = computer.mesh();
@@ -79,7 +80,7 @@ impl FormFactors {
         assert_eq!(rows.len(), n, "one row a patch");
         let close: Vec<Vec<(u32, f64)>> = (0..n as u32)
             .into_par_iter()
-            .map(|i| if cancelled() { Vec::new() } else { near::of_row(computer, &rows, i) })
+            .map(|i| if cancelled() { Vec::new() } else { near::of_row(computer, rows, i) })
             .collect();
         if cancelled() {
             return None;
@@ -101,7 +102,7 @@ impl FormFactors {
             .map(|(block, &start)| {
                 let end = if cancelled() { start } else { (start + BLOCK).min(n) };
                 let entry = |row: usize| entries[row][block] as usize;
-                Block::assemble(computer, &rows, &entry, &close, start..end)
+                Block::assemble(computer, rows, &entry, &close, start..end)
             })
             .collect();
         drop(entries);
@@ -113,11 +114,11 @@ impl FormFactors {
         let targets: Vec<f64> = (0..n)
             .into_par_iter()
             .map(|i| {
-                mesh.patches[i].area * HEADROOM * row_target(computer, &rows, &close, (i, sums[i]), sealed)
+                mesh.patches[i].area * HEADROOM * row_target(computer, rows, &close, (i, sums[i]), sealed)
             })
             .collect();
         let several_points = rows.iter().filter(|row| row.points.count() > 1).count();
-        drop(rows);
+        drop(std::mem::take(rows));
         let entries = blocks.iter().map(|b| b.columns.len()).sum();
         let mut matrix = Self {
             offsets: Vec::with_capacity(n + 1),

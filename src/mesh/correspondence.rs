@@ -52,13 +52,24 @@ impl PatchMesh {
 
 #[cfg(test)]
 mod tests {
-    use crate::mesh::{Backs, MeshSettings, NO_PATCH, PatchMesh, PatchTarget, build};
+    use crate::mesh::{Backs, MeshSettings, NO_PATCH, Patch, PatchMesh, PatchTarget, build};
     use crate::scene::{self, SceneSource};
+    use glam::DVec3;
 
     fn mesh(scene: &scene::Scene, count: usize) -> PatchMesh {
         let settings =
             MeshSettings { target: PatchTarget::Count(count), backs: Backs::default(), textures: true };
         build(scene, &settings).unwrap()
+    }
+
+    /// Whether a point of its plane lies on a patch: to the left of all edges of one of its pieces.
+    fn covers(mesh: &PatchMesh, patch: &Patch, at: DVec3) -> bool {
+        let pieces = &mesh.patch_pieces[patch.pieces.start as usize..patch.pieces.end as usize];
+        pieces.iter().any(|&piece| {
+            let outline = mesh.polygon(&mesh.pieces[piece as usize], patch.side);
+            let mut edges = outline.iter().zip(outline.iter().cycle().skip(1));
+            edges.all(|(&a, &b)| (b - a).cross(at - a).dot(patch.normal) > -1e-6 * patch.area)
+        })
     }
 
     #[test]
@@ -73,8 +84,11 @@ mod tests {
                     assert_ne!(place, NO_PATCH);
                     let there = &to.patches[place as usize];
                     assert_eq!((patch.region, patch.side), (there.region, there.side));
-                    if patch.centre.distance(there.centre) > there.radius * (1.0 + 1e-9) {
+                    if !covers(to, there, patch.centre) {
                         beyond += 1;
+                        let here = |p: &&Patch| (p.region, p.side) == (patch.region, patch.side);
+                        let mut others = to.patches.iter().filter(here);
+                        assert!(!others.any(|other| covers(to, other, patch.centre)), "{name}: {index}");
                     }
                     assert!(!std::ptr::eq(from, to) || place as usize == index);
                 }

@@ -85,7 +85,8 @@ pub struct Timings {
     pub mesh: f64,
     /// Deciding effects.
     pub plan: f64,
-    /// From the start of the rows until direct light was everywhere.
+    /// From the start of the rows until direct light was everywhere; where the light of an earlier solve is
+    /// refined, until the last row: each patch gathers its own.
     pub first_light: f64,
     /// All rows, first light included.
     pub rows: f64,
@@ -367,6 +368,7 @@ impl<'a> Run<'a> {
         let before = if left_to_compute < n { self.timings.rows } else { 0.0 };
         if left_to_compute == n {
             check_memory(computer, system)?;
+            self.timings.first_light = 0.0;
         }
         known.resize(n, None);
         let clock = self.clock();
@@ -403,8 +405,10 @@ impl<'a> Run<'a> {
             let elapsed = clock.seconds(self);
             self.timings.rows = before + elapsed;
             let first_light = stage == Stage::FirstLight && done == lamps.len();
-            if first_light {
-                self.timings.first_light = elapsed;
+            let is_direct = first_light || matches!(arriving, Arriving::Refined(_)) && done == n;
+            // Rows that were all known had passed it on before.
+            if is_direct && computed > 0 {
+                self.timings.first_light = before + elapsed;
             }
             if computed == 0 && done < n && !self.cancel.load(Ordering::Relaxed) {
                 // Until it has caught up, the picture would be darker than the one that is there.
@@ -424,19 +428,20 @@ impl<'a> Run<'a> {
         Ok((rows, arriving.bases()))
     }
 
-    /// Makes the rows reciprocal and closed.
+    /// Makes the rows reciprocal and closed. They are emptied on the way, to make room; those that are left
+    /// when the run is cancelled are whole.
     pub fn assemble(
         &mut self,
         prepared: &Prepared,
-        rows: Vec<Row>,
+        rows: &mut Vec<Row>,
     ) -> Result<(FormFactors, AssembleReport), PipelineError> {
-        let clock = Instant::now();
+        let clock = self.clock();
         let n = rows.len();
         let left = Some(0.1 * self.timings.rows);
         self.tell(Stage::Balancing, (n, n), (0.9, left), &[], None, true)?;
         let cancel = self.cancel;
         let assembled = FormFactors::assemble(&prepared.computer, rows, &|| cancel.load(Ordering::Relaxed));
-        self.timings.balance = clock.elapsed().as_secs_f64();
+        self.timings.balance = clock.seconds(self);
         assembled.ok_or(PipelineError::Cancelled)
     }
 
@@ -526,8 +531,8 @@ pub fn solve(
     run.timings = prepared.timings;
     let reflectance = patch_reflectance(&prepared.mesh, &|_| None);
     let system = system(&prepared, &reflectance);
-    let (rows, start) = run.rows(&prepared, &system, None, &mut Vec::new())?;
-    let (form_factors, assembled) = run.assemble(&prepared, rows)?;
+    let (mut rows, start) = run.rows(&prepared, &system, None, &mut Vec::new())?;
+    let (form_factors, assembled) = run.assemble(&prepared, &mut rows)?;
     let (bases, sweeps) = run.sweeps(&prepared, &form_factors, &system, Some(&start), settings.tolerance)?;
     let plan = Arc::new(effect_costs::measured(&prepared, system.lamps, &run.timings));
     Ok(Solved {

@@ -25,8 +25,8 @@ impl Recompute {
     /// Geometry and patch size ask for a mesh (and rows, if it differs); method and effects for rows;
     /// reflectances and tolerance for sweeps alone, which every request makes until it converges.
     pub(super) fn between(state: &State, wanted: &Wanted) -> Self {
-        let (old, new) = (&state.done.settings, &wanted.settings);
-        let scene = state.done.opened != wanted.opened || state.scene.is_none();
+        let (old, new) = (&state.settings, &wanted.settings);
+        let scene = state.opened != wanted.opened || state.scene.is_none();
         let method = old.sampling() != new.sampling() || old.effects != new.effects;
         let mesh = scene || method || state.prepared.is_none() || old.patches != new.patches;
         Self { scene, mesh, method, ..Self::default() }

@@ -13,7 +13,7 @@ use crate::solver::{LightBases, SweepReport};
 use rayon::ThreadPool;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
+use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError, Weak};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
@@ -93,16 +93,29 @@ impl Snapshot {
     }
 }
 
-/// All that the user has asked for; the newest state wins.
-#[derive(Clone, Debug, Default, PartialEq)]
+/// All that the user has asked for; the newest state wins, and what was refused is wanted no more.
+#[derive(Clone, Debug, Default)]
 pub(super) struct Wanted {
     pub(super) source: Option<SceneSource>,
     /// Counts the requests to open, so that the same file can be read again.
     pub(super) opened: u64,
     pub(super) settings: SolveSettings,
-    pub(super) edits: Vec<MaterialEdit>,
+    edits: Edits,
     /// Counts all requests.
-    pub(super) generation: u64,
+    generation: u64,
+}
+
+/// Reflectances and the scene whose materials they are of: an index means nothing in another.
+#[derive(Clone, Debug, Default)]
+struct Edits {
+    scene: Weak<Scene>,
+    materials: Vec<MaterialEdit>,
+}
+
+impl Edits {
+    fn of(&self, scene: &Arc<Scene>) -> &[MaterialEdit] {
+        if Weak::as_ptr(&self.scene) == Arc::as_ptr(scene) { &self.materials } else { &[] }
+    }
 }
 
 struct Shared {
@@ -174,7 +187,6 @@ impl Session {
         self.request(|wanted| {
             wanted.source = Some(source);
             wanted.opened += 1;
-            wanted.edits.clear();
         });
     }
 
@@ -183,9 +195,15 @@ impl Session {
         self.request(|wanted| wanted.settings = settings);
     }
 
-    /// Solves again over the stored rows with these reflectances (all edits since opening).
-    pub fn set_materials(&self, edits: Vec<MaterialEdit>) {
-        self.request(|wanted| wanted.edits = edits);
+    /// The settings asked for last, which may not be in force yet; once some are refused, those in force.
+    pub fn settings(&self) -> SolveSettings {
+        locked(&self.shared.wanted).settings.clone()
+    }
+
+    /// Solves again over the stored rows with these reflectances of `scene`, all that differ from its own.
+    /// They hold for as long as that scene is the present one, and for no other.
+    pub fn set_materials(&self, scene: &Arc<Scene>, materials: Vec<MaterialEdit>) {
+        self.request(|wanted| wanted.edits = Edits { scene: Arc::downgrade(scene), materials });
     }
 
     /// Lets the solve rest where it is.
@@ -204,9 +222,10 @@ impl Session {
         }
     }
 
-    /// Ends the solve; the picture so far stays.
+    /// Ends the solve, and its rest; the picture so far stays.
     pub fn stop(&self) {
         let _held = locked(&self.shared.wanted);
+        self.shared.paused.store(false, Ordering::Release);
         self.shared.stopped.store(true, Ordering::Release);
         self.shared.cancel.store(true, Ordering::Release);
         self.shared.news_for_worker.notify_all();
@@ -238,10 +257,14 @@ impl Drop for Session {
     }
 }
 
-/// What the worker has done so far, with what it was asked for at the time.
+/// What the worker has done so far, and what is in force.
 #[derive(Default)]
 pub(super) struct State {
-    pub(super) done: Wanted,
+    source: Option<SceneSource>,
+    /// The last request to open that was answered.
+    pub(super) opened: u64,
+    pub(super) settings: SolveSettings,
+    edits: Vec<MaterialEdit>,
     pub(super) scene: Option<Arc<Scene>>,
     pub(super) prepared: Option<Prepared>,
     /// Rows of a solve that was interrupted, a patch each.
@@ -257,7 +280,7 @@ struct Worker<'a> {
     state: State,
     /// How the solve of the present scene ended, where it has: converged or stopped.
     settled: Option<Stage>,
-    /// Why the present request was refused, while the present scene goes on.
+    /// Why a part of the present request was refused, while the present scene goes on.
     refused: Option<String>,
     /// Apart from the threads that the window draws with: a frame must not queue behind a row.
     pool: &'a ThreadPool,
@@ -287,7 +310,7 @@ impl Worker<'_> {
             let outcome = catch_unwind(AssertUnwindSafe(|| pool.install(|| self.answer(&wanted))));
             match outcome {
                 Ok(Ok(done)) => {
-                    if self.refused.is_none() {
+                    if self.refused.is_none() || done.mesh {
                         self.snapshot.last_change = done.sentence(&wanted, clock.elapsed().as_secs_f64());
                     }
                     self.snapshot.error = self.refused.take();
@@ -329,32 +352,28 @@ impl Worker<'_> {
     /// Recomputes what the difference between the state and the wish calls for, and nothing else.
     fn answer(&mut self, wanted: &Wanted) -> Result<Recompute, Failure> {
         self.check_cancel()?;
-        let mut todo = Recompute::between(&self.state, wanted);
-        let renewed = self.renew(wanted, &mut todo);
-        if matches!(renewed, Err(Failure::Cancelled)) {
-            return Err(Failure::Cancelled);
-        }
-        // What is refused counts as answered.
-        self.state.done.source.clone_from(&wanted.source);
-        self.state.done.opened = wanted.opened;
-        self.state.done.settings = wanted.settings.clone();
-        let mut edits = wanted.edits.clone();
-        match renewed {
-            Err(Failure::Said(sentence)) if self.state.prepared.is_some() => {
-                todo = Recompute::default();
-                edits = self.stay(sentence, wanted.generation)?;
-            }
-            other => other?,
+        let mut wanted = wanted.clone();
+        let mut todo = self.renew(&mut wanted)?;
+        let prepared = self.state.prepared.clone().ok_or(Failure::Cancelled)?;
+        let edits = wanted.edits.of(&prepared.scene).to_vec();
+        let stands = !todo.mesh && wanted.settings == self.state.settings && edits == self.state.edits;
+        if self.refused.is_some()
+            && stands
+            && let Some(stage) = self.settled
+        {
+            return Err(Failure::Refused(stage));
         }
         self.settled = None;
-        let prepared = self.state.prepared.clone().ok_or(Failure::Cancelled)?;
+        (self.state.source, self.state.opened) = (wanted.source, wanted.opened);
+        self.snapshot.settings.clone_from(&wanted.settings);
+        self.state.settings = wanted.settings;
 
         let edit_of =
             |material: u32| edits.iter().rev().find(|e| e.material == material).map(|e| e.reflectance);
         let reflectance = patch_reflectance(&prepared.mesh, &edit_of);
         self.snapshot.reflectance = Arc::new(reflectance.iter().map(|r| r.map(|b| b as f32)).collect());
         let system = system(&prepared, &reflectance);
-        self.state.done.edits.clone_from(&edits);
+        self.state.edits = edits;
 
         if self.state.form_factors.is_none() {
             todo.rows = prepared.mesh.patches.len() - self.state.rows.iter().flatten().count();
@@ -363,18 +382,21 @@ impl Worker<'_> {
             let mut known = std::mem::take(&mut self.state.rows);
             let rows = self.with_run(|run| run.rows(&prepared, &system, standing, &mut known));
             self.state.rows = known;
-            let (rows, start) = rows?;
-            let (form_factors, assembled) = self.with_run(|run| run.assemble(&prepared, rows))?;
+            let (mut rows, start) = rows?;
+            self.state.bases = Some(Arc::new(start));
+            let assembled = self.with_run(|run| run.assemble(&prepared, &mut rows));
+            // What is left of them, where it was interrupted.
+            self.state.rows = rows.into_iter().map(Some).collect();
+            let (form_factors, assembled) = assembled?;
             let form_factors = Arc::new(form_factors);
             self.state.form_factors = Some(form_factors.clone());
-            self.state.bases = Some(Arc::new(start));
             self.snapshot.form_factors = Some(form_factors);
             self.snapshot.unshot = None;
             self.snapshot.assembled = Some(assembled);
         }
         let form_factors = self.state.form_factors.clone().ok_or(Failure::Cancelled)?;
         let start = self.state.bases.clone();
-        let tolerance = wanted.settings.tolerance;
+        let tolerance = self.state.settings.tolerance;
         let (bases, sweeps) =
             self.with_run(|run| run.sweeps(&prepared, &form_factors, &system, start.as_deref(), tolerance))?;
         todo.sweeps = sweeps.len();
@@ -391,8 +413,22 @@ impl Worker<'_> {
         Ok(todo)
     }
 
-    /// Reads and meshes the scene where that is called for.
-    fn renew(&mut self, wanted: &Wanted, todo: &mut Recompute) -> Result<(), Failure> {
+    /// Reads and meshes what is wanted, where that is called for. What is refused is struck off the wish, and
+    /// what is left of it holds for the present scene.
+    fn renew(&mut self, wanted: &mut Wanted) -> Result<Recompute, Failure> {
+        loop {
+            let mut todo = Recompute::between(&self.state, wanted);
+            match self.take_up(wanted, &mut todo) {
+                Ok(()) => return Ok(todo),
+                Err(Failure::Said(sentence)) if self.state.prepared.is_some() => {
+                    self.give_up(wanted, todo, sentence);
+                }
+                Err(other) => return Err(other),
+            }
+        }
+    }
+
+    fn take_up(&mut self, wanted: &Wanted, todo: &mut Recompute) -> Result<(), Failure> {
         if todo.scene {
             let source = wanted.source.as_ref().ok_or(Failure::Cancelled)?;
             self.publish(Stage::Loading);
@@ -409,20 +445,24 @@ impl Worker<'_> {
         }
     }
 
-    /// Goes back to the present scene, which a refused request has not touched: what it had come to is
-    /// published again, and where it had not ended it goes on, with the edits that are returned.
-    fn stay(&mut self, sentence: String, generation: u64) -> Result<Vec<MaterialEdit>, Failure> {
-        let edits = self.state.done.edits.clone();
-        {
-            // Opening has forgotten them.
-            let mut wanted = locked(&self.shared.wanted);
-            if wanted.generation == generation {
-                wanted.edits.clone_from(&edits);
+    /// A scene was refused, or else the settings: wants those in force again.
+    fn give_up(&mut self, wanted: &mut Wanted, refused: Recompute, sentence: String) {
+        let mut newest = locked(&self.shared.wanted);
+        if refused.scene {
+            self.state.opened = wanted.opened;
+            wanted.source.clone_from(&self.state.source);
+            if newest.opened == wanted.opened {
+                newest.source.clone_from(&self.state.source);
+            }
+        } else {
+            wanted.settings.clone_from(&self.state.settings);
+            if newest.generation == wanted.generation {
+                newest.settings.clone_from(&self.state.settings);
             }
         }
+        drop(newest);
         self.snapshot.error = Some(sentence.clone());
-        self.refused = Some(sentence);
-        self.settled.map_or(Ok(edits), |stage| Err(Failure::Refused(stage)))
+        self.refused.get_or_insert(sentence);
     }
 
     /// Meshes a scene; keeps the rows where the geometry turns out the same.
@@ -462,7 +502,7 @@ impl Worker<'_> {
         self.snapshot.mesh_serial += 1;
         (self.snapshot.bases, self.snapshot.unshot) = (self.state.bases.clone(), None);
         self.snapshot.sweeps = Arc::default();
-        self.snapshot.error = None;
+        self.snapshot.error.clone_from(&self.refused);
         self.snapshot.reflectance =
             Arc::new(prepared.mesh.patches.iter().map(|p| p.reflectance.map(|b| b as f32)).collect());
         self.snapshot.settings = wanted.settings.clone();

@@ -270,7 +270,8 @@ fn too_fine(model: &CostModel, limits: Limits) -> String {
     )
 }
 
-fn settings_of(fineness: Fineness, goal: Goal, effects: &EffectChoices) -> SolveSettings {
+/// Settings of a solve of this fineness on the way to a goal: the sweeps add nothing to its error that counts.
+pub fn settings_of(fineness: Fineness, goal: Goal, effects: &EffectChoices) -> SolveSettings {
     let tolerance = match goal {
         // The bound is of the largest error of any patch; a fiftieth of the mean one is never felt.
         Goal::Error(error) => (0.02 * error).clamp(1e-7, 1e-2),
@@ -426,8 +427,8 @@ fn solve_until(
         let mut run = Run::new(&mut keep, &cancel, prepared.timings);
         let outcome = (|| {
             let standing = before.and_then(|b| b.bases.carried(&b.mesh, &prepared.mesh));
-            let (rows, start) = run.rows(&prepared, &system, standing, &mut Vec::new())?;
-            let (form_factors, assembled) = run.assemble(&prepared, rows)?;
+            let (mut rows, start) = run.rows(&prepared, &system, standing, &mut Vec::new())?;
+            let (form_factors, assembled) = run.assemble(&prepared, &mut rows)?;
             let (bases, sweeps) =
                 run.sweeps(&prepared, &form_factors, &system, Some(&start), settings.tolerance)?;
             Ok((form_factors, assembled, bases, sweeps))

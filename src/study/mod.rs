@@ -14,7 +14,7 @@ mod trial;
 pub use audited::{audit, shown};
 pub use chart::chart;
 pub use cost::{CostModel, Fineness, Limits, Measured};
-pub use goal::{Attempt, Goal, News, Reached, reach};
+pub use goal::{Attempt, Goal, News, Reached, reach, settings_of};
 pub use sweep::{Entry, entries, foreseen, measure, pareto};
 pub use trial::{Trial, row_overhead, trial};
 

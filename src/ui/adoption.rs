@@ -26,20 +26,21 @@ impl App {
         let display = DisplaySettings { split: false, ..self.edits.display };
         let edits = std::mem::replace(&mut self.edits, Edits::of_scene(&scene, display));
         let views = std::mem::replace(&mut self.views, scene.views.clone());
-        self.start_view = scene.start_view;
+        (self.start_view, self.view_index) = (scene.start_view, None);
         self.history.clear();
         self.solo = None;
         self.exposure = Default::default();
         if let Some(before) = before.filter(|before| before.source == scene.source) {
             carry_lamps(&before, &edits, &scene, &mut self.edits);
             if carry_materials(&before, &edits, &scene, &mut self.edits) {
-                // Reading the file again has forgotten them.
-                self.worker.set_materials(self.edits.materials());
+                // Those that the worker has are of the scene as it was read before.
+                self.worker.set_materials(&scene, self.edits.materials());
             }
-            carry_views(&before, &views, &mut self.views);
-            let is_in_place = before.up == scene.up && before.unit == scene.unit;
-            if is_in_place && self.camera.is_some() {
-                return;
+            if is_in_place(&before, &scene) {
+                carry_views(&before, &views, &mut self.views);
+                if self.camera.is_some() {
+                    return;
+                }
             }
         }
         let up = scene.up.vector();
@@ -59,13 +60,15 @@ impl App {
     }
 }
 
-/// Brings lamps that the user has changed into the state that they had, by name, where the name is one lamp's
-/// alone.
+/// Whether a place of one is that place of the other.
+fn is_in_place(before: &Scene, now: &Scene) -> bool {
+    before.up == now.up && before.unit == now.unit
+}
+
+/// Brings what the user has changed about a lamp into the state that it had, by name, where the name is one
+/// lamp's alone. Exitance means other lumens in another unit, and stays that of the file there.
 fn carry_lamps(before: &Scene, edits: &Edits, now: &Scene, new: &mut Edits) {
     for (old, &state) in before.luminaires.iter().zip(&edits.lighting.lamps) {
-        if state == old.initial {
-            continue;
-        }
         let same = |scene: &Scene| {
             let mut named = scene.luminaires.iter().enumerate().filter(|(_, lamp)| lamp.name == old.name);
             named.next().filter(|_| named.next().is_none()).map(|(index, _)| index)
@@ -73,7 +76,15 @@ fn carry_lamps(before: &Scene, edits: &Edits, now: &Scene, new: &mut Edits) {
         if let (Some(_), Some(index)) = (same(before), same(now))
             && let Some(lamp) = new.lighting.lamps.get_mut(index)
         {
-            *lamp = state;
+            if state.on != old.initial.on {
+                lamp.on = state.on;
+            }
+            if state.dimmer != old.initial.dimmer {
+                lamp.dimmer = state.dimmer;
+            }
+            if state.exitance != old.initial.exitance && before.unit == now.unit {
+                lamp.exitance = state.exitance;
+            }
         }
     }
 }
@@ -92,7 +103,7 @@ fn carry_materials(before: &Scene, edits: &Edits, now: &Scene, new: &mut Edits) 
     any
 }
 
-/// Keeps the bookmarks that the user has stored and that the file does not have.
+/// Keeps the bookmarks that the user has stored and that the file does not have; both scenes are in place.
 fn carry_views(before: &Scene, views: &[View], new: &mut Vec<View>) {
     for view in views {
         let is_stored = before.views.iter().all(|old| old.name != view.name);
@@ -112,7 +123,11 @@ mod tests {
     const MTL: &str = "newmtl wall\nKd 0.5 0.5 0.5\nnewmtl glow\nKd 0.8 0.8 0.8\nKe 3 3 3\n";
 
     fn read(faces: &str, sidecar: &str) -> Scene {
-        scene::from_text("t", &format!("{OBJ}{faces}"), MTL, Some(sidecar)).expect("a scene")
+        painted(faces, MTL, sidecar)
+    }
+
+    fn painted(faces: &str, mtl: &str, sidecar: &str) -> Scene {
+        scene::from_text("t", &format!("{OBJ}{faces}"), mtl, Some(sidecar)).expect("a scene")
     }
 
     #[test]
@@ -120,12 +135,14 @@ mod tests {
         let floor = "o floor\nusemtl wall\nf 4 3 2 1\n";
         let lamp = "o lamp\nusemtl glow\nf 5 6 7 8\n";
         let before = read(&format!("{floor}{lamp}"), "[[luminaire]]\nobject = \"lamp\"\nname = \"Lamp\"\n");
-        // The other way round, with a lamp more, and with a bookmark.
+        // The other way round, with a lamp and a material more, and with a bookmark.
         let more = "o second\nusemtl glow\nf 1 2 6 5\n";
         let sidecar = "[[luminaire]]\nobject = \"second\"\nname = \"Second\"\n\
                        [[luminaire]]\nobject = \"lamp\"\nname = \"Lamp\"\n\
                        [[view]]\nname = \"Door\"\neye = [0.5, 1, 0.5]\ntarget = [1, 1, 1]\n";
-        let now = read(&format!("{more}{lamp}{floor}"), sidecar);
+        let mtl = format!("newmtl tile\nKd 0.4 0.4 0.4\n{MTL}");
+        let tiled = "o tiles\nusemtl tile\nf 2 3 7 6\n";
+        let now = painted(&format!("{tiled}{more}{lamp}{floor}"), &mtl, sidecar);
         let mut edits = Edits::of_scene(&before, DisplaySettings::default());
         edits.lighting.lamps[0].dimmer = 0.25;
         let wall = before.materials.iter().position(|m| m.name == "wall").expect("there");
@@ -135,14 +152,45 @@ mod tests {
         carry_lamps(&before, &edits, &now, &mut new);
         assert!(carry_materials(&before, &edits, &now, &mut new));
         assert_eq!((new.lighting.lamps[1].dimmer, new.lighting.lamps[0]), (0.25, second));
-        let wall = now.materials.iter().position(|m| m.name == "wall").expect("there");
-        assert_eq!(new.reflectance[wall], Some([0.1, 0.2, 0.3]));
+        let here = now.materials.iter().position(|m| m.name == "wall").expect("there");
+        assert_ne!(here, wall);
+        assert_eq!(new.reflectance[here], Some([0.1, 0.2, 0.3]));
 
         let stored = View { name: "View 4".to_owned(), ..now.views[0].clone() };
         let mut views = now.views.clone();
         carry_views(&before, &[stored.clone(), now.views[0].clone()], &mut views);
         assert_eq!(views.len(), now.views.len() + 1);
         assert_eq!(views.last(), Some(&stored));
+    }
+
+    #[test]
+    fn what_was_not_touched_of_a_lamp_follows_the_file() {
+        let scene = |lumens: f64, unit: &str| {
+            let sidecar = format!(
+                "unit = \"{unit}\"\n[[luminaire]]\nobject = \"lamp\"\nname = \"Lamp\"\nlumens = {lumens}\n"
+            );
+            read("o lamp\nusemtl glow\nf 5 6 7 8\no floor\nusemtl wall\nf 4 3 2 1\n", &sidecar)
+        };
+        let carried = |before: &Scene, edits: &Edits, now: &Scene| {
+            let mut new = Edits::of_scene(now, DisplaySettings::default());
+            carry_lamps(before, edits, now, &mut new);
+            new.lighting.lamps[0]
+        };
+        let before = scene(800.0, "m");
+        let mut edits = Edits::of_scene(&before, DisplaySettings::default());
+        edits.lighting.lamps[0].dimmer = 0.25;
+        // Brighter in the file, or the same lumens from a thousandth of the width.
+        for (now, factor) in [(scene(1600.0, "m"), 2.0), (scene(800.0, "mm"), 1e6)] {
+            let lamp = carried(&before, &edits, &now);
+            let was = before.luminaires[0].initial.exitance;
+            assert_eq!((lamp.dimmer, lamp.on), (0.25, true));
+            assert!(lamp.exitance.iter().zip(was).all(|(e, was)| (e / was / factor - 1.0).abs() < 1e-9));
+        }
+        // A lamp that was recoloured stays so, in the unit that it was recoloured in.
+        edits.lighting.lamps[0].exitance = [1.0, 2.0, 3.0];
+        assert_eq!(carried(&before, &edits, &scene(1600.0, "m")).exitance, [1.0, 2.0, 3.0]);
+        let other = scene(800.0, "mm");
+        assert_eq!(carried(&before, &edits, &other).exitance, other.luminaires[0].initial.exitance);
     }
 
     #[test]

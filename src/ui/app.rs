@@ -25,7 +25,7 @@ use crate::display::FalseColour;
 use crate::render::Tour;
 use crate::scene::{Lighting, Scene, SceneSource, View};
 use crate::session::Snapshot;
-use std::sync::Arc;
+use std::sync::{Arc, Weak};
 
 /// Where the window keeps its state between starts.
 const STORAGE_KEY: &str = "lumenwalk";
@@ -42,6 +42,14 @@ pub(super) struct Asked {
     pub(super) name: String,
     pub(super) serial: u64,
     pub(super) known_error: Option<String>,
+    pub(super) scene: Weak<Scene>,
+}
+
+impl Asked {
+    /// Whether the worker has it: every reading makes another scene.
+    pub(super) fn has_come(&self, now: &Snapshot) -> bool {
+        now.scene.as_ref().is_some_and(|scene| Arc::as_ptr(scene) != self.scene.as_ptr())
+    }
 }
 
 /// The window.
@@ -77,7 +85,7 @@ pub struct App {
     pub(super) solo: Option<(usize, Lighting)>,
     pub(super) notice: Option<Notice>,
     pub(super) last_change: String,
-    /// What was asked for and is neither on screen nor refused yet.
+    /// What was asked for and is neither read nor refused yet.
     pub(super) opening: Option<Asked>,
     /// What the title bar says.
     pub(super) title: String,
@@ -327,6 +335,7 @@ impl App {
         let prepared = self.picture.prepared.as_deref();
         Model {
             snapshot: &self.snapshot,
+            settings: self.worker.settings(),
             scene: prepared.map(|p| &*p.scene),
             mesh: prepared.map(|p| &*p.mesh),
             light: &self.picture.light,

@@ -4,7 +4,7 @@ use super::runs::{Finished, Runs};
 use crate::accuracy::{AuditSettings, ErrorBudget, Findings};
 use crate::display::NO_VALUE;
 use crate::form_factors::Method;
-use crate::mesh::{PatchMesh, PatchTarget};
+use crate::mesh::PatchMesh;
 use crate::scene::{LUMINOUS_EFFICACY, Lighting, Scene};
 use crate::session::{Snapshot, SolveSettings, Solved, Stage};
 use crate::solver::{LightBases, PatchLight};
@@ -42,6 +42,9 @@ struct Checked {
 
 /// A running audit; it ends when this is dropped.
 struct Job {
+    /// What is audited.
+    bases: Arc<LightBases>,
+    lighting: Lighting,
     cancel: Arc<AtomicBool>,
     answer: Receiver<Option<Checked>>,
 }
@@ -147,7 +150,6 @@ impl Auditor {
         if let Some(light) = light {
             self.runs.trace(snapshot, lighting, light);
         }
-        let mut next = self.take_answer(snapshot);
         let standing = (snapshot.stage == Stage::Converged).then_some(()).and(snapshot.bases.clone());
         let lamps = snapshot.scene.as_ref().map_or(0, |s| s.luminaires.len());
         let is_whole = snapshot.form_factors.is_some() && lighting.lamps.len() == lamps;
@@ -155,20 +157,26 @@ impl Auditor {
             self.job = None;
             self.standing = None;
             self.seen = None;
+            // What was found is of a light that is going, and of patches that may be gone.
+            (self.budget, self.findings) = (None, None);
             if matches!(snapshot.stage, Stage::Stopped | Stage::Failed) {
                 self.steps = None;
             }
             return (None, None);
         };
+        let is_other = |job: &Job| !Arc::ptr_eq(&job.bases, &bases) || job.lighting != *lighting;
+        if self.job.as_ref().is_some_and(is_other) {
+            self.job = None;
+        }
+        let next = self.take_answer(snapshot);
         let same = |of: &(Arc<LightBases>, Lighting)| Arc::ptr_eq(&of.0, &bases) && of.1 == *lighting;
         if self.seen.as_ref().is_some_and(same) {
-            return (next.take(), None);
+            return (next, None);
         }
         let unchanged =
             |(b, l, _): &(Arc<LightBases>, Lighting, f64)| Arc::ptr_eq(b, &bases) && l == lighting;
         if !self.standing.as_ref().is_some_and(unchanged) {
             // A lamp or the solver moved: what was found is of another light.
-            self.job = None;
             if self.standing.as_ref().is_none_or(|s| !Arc::ptr_eq(&s.0, &bases)) {
                 self.runs.note(snapshot);
             }
@@ -216,18 +224,23 @@ impl Auditor {
         let cancel = Arc::new(AtomicBool::new(false));
         let (sender, answer) = channel();
         let stop = cancel.clone();
+        let of = (solved.bases.clone(), lighting.clone());
         let resolve = if let Goal::Error(error) = self.goal { 0.2 * error } else { 1e-3 };
         let audit = move || {
             let settings =
                 AuditSettings { seconds: AUDIT_SECS, resolve, parallel: false, ..AuditSettings::default() };
             let found = study::audit(&solved, &lighting, &settings, &|| stop.load(Ordering::Relaxed));
+            let checked = found.map(|findings| {
+                let overhead = lines.map(|lines| study::row_overhead(&solved, lines));
+                Checked { findings, overhead }
+            });
             // Nobody listens any more when the light has changed.
-            let overhead = lines.map(|lines| study::row_overhead(&solved, lines));
-            sender.send(found.map(|findings| Checked { findings, overhead })).ok();
+            sender.send(checked).ok();
             wake();
         };
         if std::thread::Builder::new().name("audit".to_owned()).spawn(audit).is_ok() {
-            self.job = Some(Job { cancel, answer });
+            let (bases, lighting) = of;
+            self.job = Some(Job { bases, lighting, cancel, answer });
         }
     }
 
@@ -275,12 +288,13 @@ impl Auditor {
         let Some(fineness) = wanted.filter(|_| steps < MOST_STEPS) else {
             self.steps = None;
             self.verdict = match self.goal {
+                _ if wanted.is_some() => format!("Not reached in {MOST_STEPS} solves; it may be in more"),
                 Goal::Error(_) => "Out of reach: the mesh would outgrow the memory".to_owned(),
                 Goal::Seconds(_) => "No solve of this scene is so short".to_owned(),
             };
             return None;
         };
-        let settings = settings_of(fineness, now);
+        let settings = study::settings_of(fineness, self.goal, &now.effects);
         if settings == *now {
             self.steps = None;
             "This is the best choice already".clone_into(&mut self.verdict);
@@ -379,20 +393,13 @@ fn lines_of(settings: &SolveSettings) -> Option<u32> {
     (settings.method == Method::Lines).then(lines)
 }
 
-fn settings_of(fineness: Fineness, now: &SolveSettings) -> SolveSettings {
-    SolveSettings {
-        patches: PatchTarget::Count(fineness.patches as usize),
-        method: Method::Lines,
-        resolution: Some(fineness.lines as u32),
-        ..now.clone()
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::accuracy::Estimate;
-    use crate::session::Timings;
+    use crate::form_factors::ReceivingPoints;
+    use crate::mesh::PatchTarget;
+    use crate::session::{Control, Timings, solve};
 
     fn budget(form_factors: f64, mesh: f64) -> ErrorBudget {
         let estimate = |error: f64| Estimate { error, low: 0.9 * error, high: 1.1 * error };
@@ -439,6 +446,86 @@ mod tests {
         assert!(patches > 1000);
         assert_eq!(auditor.step(&budget(0.002, 0.005), &first), None);
         assert!(!auditor.is_reaching() && auditor.verdict.starts_with("Reached"), "{}", auditor.verdict);
+    }
+
+    #[test]
+    fn steps_that_ran_out_are_no_lack_of_memory_and_sweeps_never_hold_a_goal_up() {
+        let mut auditor = auditor(0.01, 0.04);
+        auditor.goal = Goal::Error(0.01);
+        let coarse =
+            SolveSettings { tolerance: 1e-2, points: ReceivingPoints::Four, ..SolveSettings::default() };
+        let first = auditor.reach(&coarse).unwrap();
+        assert!(first.tolerance <= 0.1 * 0.01 && first.points == ReceivingPoints::Auto, "{first:?}");
+        auditor.steps = Some(MOST_STEPS);
+        assert_eq!(auditor.step(&budget(0.01, 0.04), &first), None);
+        assert!(!auditor.is_reaching() && auditor.verdict.starts_with("Not reached"), "{}", auditor.verdict);
+    }
+
+    /// A coarse light that has converged.
+    fn converged() -> Snapshot {
+        let scene = crate::scene::load(&crate::scene::SceneSource::Builtin("cornell".to_owned())).unwrap();
+        let settings = SolveSettings {
+            patches: PatchTarget::Count(60),
+            resolution: Some(16),
+            ..SolveSettings::default()
+        };
+        let never = AtomicBool::new(false);
+        let solved = solve(Arc::new(scene), &settings, &never, &mut |_| Control::Continue).unwrap();
+        Snapshot {
+            stage: Stage::Converged,
+            scene: Some(solved.scene),
+            mesh: Some(solved.mesh),
+            plan: Some(solved.plan),
+            computer: Some(solved.computer),
+            form_factors: Some(solved.form_factors),
+            assembled: Some(solved.assembled),
+            bases: Some(solved.bases),
+            settings,
+            ..Snapshot::default()
+        }
+    }
+
+    /// An auditor on its way to a goal, whose audit of this light has ended.
+    fn answered(snapshot: &Snapshot, lighting: &Lighting) -> Auditor {
+        let mut auditor = Auditor::default();
+        assert_eq!(auditor.follow(snapshot, lighting, None, 0.0, || {}).0, None);
+        let bases = snapshot.bases.clone().unwrap();
+        let (sender, answer) = channel();
+        let findings = Findings { budget: budget(0.001, 0.002), ..Findings::default() };
+        sender.send(Some(Checked { findings, overhead: None })).unwrap();
+        auditor.seen = Some((bases.clone(), lighting.clone()));
+        auditor.steps = Some(0);
+        auditor.job = Some(Job { bases, lighting: lighting.clone(), cancel: Arc::default(), answer });
+        auditor
+    }
+
+    #[test]
+    fn an_answer_is_of_the_light_that_it_was_asked_of_alone() {
+        let snapshot = converged();
+        let lighting = snapshot.scene.as_ref().unwrap().lighting();
+        let mut auditor = answered(&snapshot, &lighting);
+        auditor.follow(&snapshot, &lighting, None, 1.0, || {});
+        assert_eq!(auditor.budget, Some(budget(0.001, 0.002)));
+        assert!(auditor.verdict.starts_with("Reached"), "{}", auditor.verdict);
+
+        let mut auditor = answered(&snapshot, &lighting);
+        let mut switched = lighting.clone();
+        switched.lamps[0].on = false;
+        auditor.follow(&snapshot, &switched, None, 0.1, || {});
+        assert!(auditor.budget.is_none() && auditor.findings.is_none() && !auditor.is_busy());
+        assert!(auditor.is_reaching() && auditor.verdict.is_empty(), "{}", auditor.verdict);
+    }
+
+    #[test]
+    fn what_was_found_goes_with_the_light_that_it_was_found_in() {
+        let mut snapshot = converged();
+        let lighting = snapshot.scene.as_ref().unwrap().lighting();
+        let mut auditor = answered(&snapshot, &lighting);
+        auditor.follow(&snapshot, &lighting, None, 1.0, || {});
+        assert!(auditor.budget.is_some());
+        (snapshot.stage, snapshot.mesh_serial) = (Stage::Rows, 2);
+        auditor.follow(&snapshot, &lighting, None, 1.1, || {});
+        assert!(auditor.budget.is_none() && auditor.findings.is_none());
     }
 
     #[test]

@@ -79,7 +79,10 @@ impl App {
             Command::RemoveView(index) => self.remove_view(index),
             Command::SaveSidecar => self.save_sidecar(),
             Command::SetFrame(unit, up) => {
-                if let Some(SceneSource::File(path)) = self.scene_shown.as_ref().map(|scene| &scene.source) {
+                if let Some(scene) = &self.scene_shown
+                    && let SceneSource::File(path) = &scene.source
+                    && (scene.unit, scene.up) != (unit, up)
+                {
                     self.files.save_frame(path, unit, up);
                 }
             }
@@ -221,8 +224,10 @@ impl App {
             self.stale.light = true;
             self.stale.exposure = true;
         }
-        if before.reflectance != self.edits.reflectance {
-            self.worker.set_materials(self.edits.materials());
+        if before.reflectance != self.edits.reflectance
+            && let Some(scene) = &self.scene_shown
+        {
+            self.worker.set_materials(scene, self.edits.materials());
         }
         if before.display != self.edits.display {
             if self.edits.display.quantity == Quantity::Error && before.display.quantity != Quantity::Error {
@@ -330,8 +335,9 @@ impl App {
         };
         let name = name.unwrap_or_default();
         self.last_change = format!("opening {name}");
+        let scene = self.snapshot.scene.as_ref().map(Arc::downgrade).unwrap_or_default();
         let known_error = self.snapshot.error.clone();
-        self.opening = Some(Asked { name, serial: self.snapshot.serial, known_error });
+        self.opening = Some(Asked { name, serial: self.snapshot.serial, known_error, scene });
         self.worker.open(source);
     }
 

@@ -112,7 +112,6 @@ pub(super) fn commands(ctx: &Context, model: &Model<'_>, help_open: bool, out: &
         (Key::B, Command::StoreView),
         (Key::OpenBracket, Command::StepView(-1)),
         (Key::CloseBracket, Command::StepView(1)),
-        (Key::P, super::panels::solver::pause(model.snapshot).2),
         (Key::R, Command::ToggleRow),
         (Key::J, Command::ToggleTable),
         (Key::K, Command::Doctor(Ask::Toggle)),
@@ -125,6 +124,9 @@ pub(super) fn commands(ctx: &Context, model: &Model<'_>, help_open: bool, out: &
         if pressed(key) {
             out.push(command);
         }
+    }
+    if pressed(Key::P) {
+        out.extend(super::panels::solver::pause(model.snapshot).2);
     }
     lamp_keys(&pressed, model, out);
     display_keys(&pressed, model, out);

@@ -58,14 +58,19 @@ impl App {
     /// Takes over what the worker says that it recomputed, once: what is switched afterwards is told instead.
     fn follow_change(&mut self, before: &Snapshot) {
         let told = &self.snapshot.last_change;
-        let has_converged = before.stage != Stage::Converged && self.snapshot.stage == Stage::Converged;
+        if self.opening.as_ref().is_some_and(|asked| asked.has_come(&self.snapshot)) {
+            self.opening = None;
+        }
+        // After a refusal the solve goes back to where it was, and the worker still tells of that.
+        let has_converged = before.stage != Stage::Converged
+            && self.snapshot.stage == Stage::Converged
+            && self.snapshot.error.is_none();
         if !told.is_empty() && (has_converged || *told != before.last_change) {
             self.last_change.clone_from(told);
             if let Some(scene) = &self.snapshot.scene {
                 // A path would fill the line.
                 self.last_change = told.replace(&scene.source.to_string(), &scene.name);
             }
-            self.opening = None;
         }
     }
 
@@ -136,14 +141,22 @@ impl App {
             Some(error) if shown != Some(error) && self.dismissed.as_deref() != Some(error) => {
                 self.notice = Some(Notice { text: error.to_owned(), is_error: true, since: time });
                 self.worker_error = Some(error.to_owned());
-                if let Some(asked) = self.opening.take() {
-                    self.last_change = format!("{} was not opened", asked.name);
+                match self.opening.take() {
+                    Some(asked) => self.last_change = format!("{} was not opened", asked.name),
+                    None if self.snapshot.stage == Stage::Failed => {
+                        "not solved".clone_into(&mut self.last_change);
+                    }
+                    None => {}
                 }
             }
-            None if self.worker_error.is_some() && shown == self.worker_error.as_deref() => {
-                (self.notice, self.worker_error) = (None, None);
+            Some(_) => {}
+            None => {
+                // Should it come again, it is news.
+                self.dismissed = None;
+                if self.worker_error.is_some() && shown == self.worker_error.as_deref() {
+                    (self.notice, self.worker_error) = (None, None);
+                }
             }
-            _ => {}
         }
     }
 
@@ -179,7 +192,8 @@ impl App {
                 self.notice = Some(Notice { text, is_error: true, since: time });
             }
             FileNews::Changed => {
-                if self.state.reload_on_change {
+                // The scene asked for is about to replace this one.
+                if self.state.reload_on_change && self.opening.is_none() {
                     self.reload();
                 }
             }

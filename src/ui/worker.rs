@@ -1,6 +1,6 @@
 //! What the window asks of the solver's thread, so that tests can count it.
 
-use crate::scene::SceneSource;
+use crate::scene::{Scene, SceneSource};
 use crate::session::{MaterialEdit, Session, Snapshot, SolveSettings};
 use std::sync::Arc;
 
@@ -12,8 +12,10 @@ pub trait Worker {
     fn open(&self, source: SceneSource);
     /// Solves the present scene with other settings.
     fn set_settings(&self, settings: SolveSettings);
-    /// Solves again with these reflectances, all edits since opening.
-    fn set_materials(&self, edits: Vec<MaterialEdit>);
+    /// The settings asked for last; those in force once some were refused.
+    fn settings(&self) -> SolveSettings;
+    /// Solves again with these reflectances of `scene`, all that differ from its own.
+    fn set_materials(&self, scene: &Arc<Scene>, edits: Vec<MaterialEdit>);
     /// Lets the solve rest where it is.
     fn pause(&self);
     /// Goes on from there.
@@ -35,8 +37,12 @@ impl Worker for Arc<Session> {
         Session::set_settings(self, settings);
     }
 
-    fn set_materials(&self, edits: Vec<MaterialEdit>) {
-        Session::set_materials(self, edits);
+    fn settings(&self) -> SolveSettings {
+        Session::settings(self)
+    }
+
+    fn set_materials(&self, scene: &Arc<Scene>, edits: Vec<MaterialEdit>) {
+        Session::set_materials(self, scene, edits);
     }
 
     fn pause(&self) {

@@ -29,8 +29,8 @@ impl Assembled {
         let prepared = prepare(scene, settings)?;
         let system = system(&prepared, &patch_reflectance(&prepared.mesh, &|_| None));
         let (form_factors, report) = run(|run| {
-            let (rows, _) = run.rows(&prepared, &system, None, &mut Vec::new())?;
-            run.assemble(&prepared, rows)
+            let (mut rows, _) = run.rows(&prepared, &system, None, &mut Vec::new())?;
+            run.assemble(&prepared, &mut rows)
         })?;
         Ok(Self { prepared, form_factors, report })
     }

@@ -5,4 +5,5 @@ mod files;
 mod microscope;
 mod panels;
 mod pictures;
+mod requests;
 mod support;

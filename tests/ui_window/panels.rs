@@ -242,7 +242,7 @@ fn pause_resume_and_stop_reach_the_solver() {
     worker.publish(|s| (s.stage, s.paused) = (Stage::Stopped, false));
     harness.run_steps(2);
     click(&mut harness, "Solve");
-    assert_eq!(worker.requests().last().map(String::as_str), Some("settings Lines Count(700)"));
+    assert_eq!(worker.requests(), ["pause", "resume", "resume", "stop", "resume"]);
 }
 
 #[test]

@@ -3,11 +3,11 @@
 use egui::{Key, Modifiers, Pos2};
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable as _;
-use lumenwalk::scene::{self, SceneSource};
+use lumenwalk::scene::{self, Scene, SceneSource};
 use lumenwalk::session::{self, Control, MaterialEdit, Snapshot, SolveSettings, Stage};
 use lumenwalk::solver::SweepReport;
 use lumenwalk::ui::{App, UiState, Worker};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
 use std::sync::{Arc, Mutex, OnceLock};
 use std::time::Duration;
@@ -48,12 +48,17 @@ pub(crate) fn solved() -> Arc<Snapshot> {
     static SOLVED: OnceLock<Arc<Snapshot>> = OnceLock::new();
     let solve = || {
         let folder = tempfile::tempdir().expect("a folder");
-        for (name, text) in [("room.obj", OBJ), ("room.mtl", MTL), ("room.toml", SIDECAR)] {
-            std::fs::write(folder.path().join(name), text).expect("written");
-        }
-        solution_of(&folder.path().join("room.obj"))
+        solution_of(&write_model(folder.path()))
     };
     Arc::clone(SOLVED.get_or_init(solve))
+}
+
+/// Writes the small scene to a folder; where its model is.
+pub(crate) fn write_model(folder: &Path) -> PathBuf {
+    for (name, text) in [("room.obj", OBJ), ("room.mtl", MTL), ("room.toml", SIDECAR)] {
+        std::fs::write(folder.join(name), text).expect("written");
+    }
+    folder.join("room.obj")
 }
 
 /// The snapshot of a finished solve of a model.
@@ -95,6 +100,7 @@ fn sweep(number: u32) -> SweepReport {
 struct Log {
     requests: Vec<String>,
     snapshot: Arc<Snapshot>,
+    settings: Option<SolveSettings>,
 }
 
 /// A worker that solves nothing.
@@ -103,7 +109,7 @@ pub(crate) struct Counting(Arc<Mutex<Log>>);
 
 impl Counting {
     pub(crate) fn showing(snapshot: Arc<Snapshot>) -> Self {
-        Self(Arc::new(Mutex::new(Log { requests: Vec::new(), snapshot })))
+        Self(Arc::new(Mutex::new(Log { snapshot, ..Log::default() })))
     }
 
     pub(crate) fn publish(&self, change: impl FnOnce(&mut Snapshot)) {
@@ -132,8 +138,13 @@ impl Worker for Counting {
     }
     fn set_settings(&self, settings: SolveSettings) {
         self.note(format!("settings {:?} {:?}", settings.method, settings.patches));
+        self.0.lock().expect("no panic while locked").settings = Some(settings);
     }
-    fn set_materials(&self, edits: Vec<MaterialEdit>) {
+    fn settings(&self) -> SolveSettings {
+        let log = self.0.lock().expect("no panic while locked");
+        log.settings.as_ref().unwrap_or(&log.snapshot.settings).clone()
+    }
+    fn set_materials(&self, _scene: &Arc<Scene>, edits: Vec<MaterialEdit>) {
         self.note(format!("materials {}", edits.len()));
     }
     fn pause(&self) {

@@ -25,13 +25,15 @@ use super::state::{Edits, UiState};
 use crate::display::{Exposure, FalseColour};
 use crate::mesh::PatchMesh;
 use crate::scene::{Scene, View};
-use crate::session::Snapshot;
+use crate::session::{Snapshot, SolveSettings};
 use crate::solver::{PatchLight, Power};
 
 /// Everything that panels show, borrowed for one frame.
 pub(super) struct Model<'a> {
     /// What the worker published last.
     pub(super) snapshot: &'a Snapshot,
+    /// The settings asked for last.
+    pub(super) settings: SolveSettings,
     /// The scene on screen.
     pub(super) scene: Option<&'a Scene>,
     /// Its patches.

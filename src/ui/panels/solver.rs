@@ -33,16 +33,18 @@ pub(in crate::ui) fn is_running(stage: Stage) -> bool {
     !matches!(stage, Stage::Idle | Stage::Converged | Stage::Stopped | Stage::Failed)
 }
 
-/// What the button for a rest is called, what it tells, and what it asks for; a solve that was stopped is
-/// taken up again.
-pub(in crate::ui) fn pause(snapshot: &Snapshot) -> (&'static str, &'static str, Command) {
-    if snapshot.stage == Stage::Stopped {
-        ("Solve", "Solve with the settings in force (P)", Command::Solve(snapshot.settings.clone()))
+/// What the button for a rest is called, what it tells, and what it asks for, where it asks for anything; a
+/// solve that was stopped is taken up again.
+pub(in crate::ui) fn pause(snapshot: &Snapshot) -> (&'static str, &'static str, Option<Command>) {
+    let is_live = is_running(snapshot.stage) || snapshot.stage == Stage::Stopped;
+    let (name, tip, rest) = if snapshot.stage == Stage::Stopped {
+        ("Solve", "Solve with the settings chosen (P)", false)
     } else if snapshot.paused {
-        ("Resume", "Go on (P)", Command::Pause(false))
+        ("Resume", "Go on (P)", false)
     } else {
-        ("Pause", "Let the solve rest (P)", Command::Pause(true))
-    }
+        ("Pause", "Let the solve rest (P)", true)
+    };
+    (name, tip, is_live.then_some(Command::Pause(rest)))
 }
 
 /// How far the solve has come, 0 to 1; `None` while a scene is read and cut, which takes as long as it takes.
@@ -69,10 +71,8 @@ pub(in crate::ui) fn show(ui: &mut egui::Ui, model: &Model<'_>, out: &mut Comman
                 out.push(Command::Stop);
             }
             let (text, tip, command) = pause(snapshot);
-            let can = running || snapshot.stage == Stage::Stopped;
-            if ui.add_enabled(can, egui::Button::new(text)).on_hover_text(tip).clicked() {
-                out.push(command);
-            }
+            let button = ui.add_enabled(command.is_some(), egui::Button::new(text)).on_hover_text(tip);
+            out.extend(command.filter(|_| button.clicked()));
             if let Some(left) = snapshot.seconds_left.filter(|_| running && !snapshot.paused) {
                 ui.add_space(4.0);
                 ui.label(RichText::new(format!("{} left", units::duration(left))).color(theme::TEXT_WEAK));
@@ -86,7 +86,7 @@ pub(in crate::ui) fn show(ui: &mut egui::Ui, model: &Model<'_>, out: &mut Comman
     // Its line is kept while there is nothing to say.
     let change = if model.last_change.is_empty() { " " } else { model.last_change };
     ui.label(RichText::new(change).small().color(theme::TEXT_WEAK));
-    ui.collapsing("Method and quality", |ui| settings(ui, &snapshot.settings, out));
+    ui.collapsing("Method and quality", |ui| settings(ui, &model.settings, out));
     if let Some(plan) = &snapshot.plan
         && !plan.decisions.is_empty()
     {
