@@ -170,11 +170,12 @@ pub fn reach(
             return Err(PipelineError::Cancelled);
         }
         let audit_settings = match goal {
+            // Far from the goal it is decided at once; only near it so much precision and time are taken.
             Goal::Error(error) => AuditSettings {
-                precision: 0.1,
+                precision: 0.05,
                 resolve: 0.2 * error,
                 local_noise: QUICK_NOISE,
-                seconds: (2.0 * seconds).clamp(3.0, 60.0),
+                seconds: (2.0 * seconds).clamp(10.0, 60.0),
                 decide: Some(error),
                 ..AuditSettings::default()
             },
