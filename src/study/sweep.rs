@@ -112,7 +112,7 @@ pub fn foreseen(entry: Entry, measured: &[Row]) -> Option<f64> {
 
 /// How long the audit of a solve that took `solve` seconds may last.
 fn audit_seconds(solve: f64) -> f64 {
-    (2.0 * solve).clamp(4.0, 40.0)
+    (2.0 * solve).clamp(8.0, 40.0)
 }
 
 /// Solves and audits one point.
@@ -146,6 +146,7 @@ pub fn measure(
         parts: true,
         resolve: 4e-4,
         local_noise: 0.02,
+        receivers: 12_288,
         seconds: audit_seconds(seconds),
         ..AuditSettings::default()
     };
