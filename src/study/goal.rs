@@ -175,7 +175,7 @@ pub fn reach(
                 precision: 0.05,
                 resolve: 0.2 * error,
                 local_noise: QUICK_NOISE,
-                seconds: (2.0 * seconds).clamp(10.0, 60.0),
+                seconds: (2.0 * seconds).clamp(6.0, 60.0),
                 decide: Some(error),
                 ..AuditSettings::default()
             },
