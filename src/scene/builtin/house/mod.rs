@@ -35,7 +35,7 @@ mod textiles;
 use super::writer::Model;
 
 pub(crate) fn model() -> Model {
-    let mut m = Model::new(("m", 1.0), 0.31);
+    let mut m = Model::new(("m", 1.0), 0.32);
     views(&mut m);
     plan::shell(&mut m);
     living::living_room(&mut m);
