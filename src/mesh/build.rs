@@ -161,6 +161,17 @@ fn blockers(outlines: &[Outline], size: f64) -> Vec<Vec<glam::DVec3>> {
     large.into_iter().map(|(_, corners)| corners).collect()
 }
 
+/// How much of the rectangle around it an outline fills.
+fn filled(outline: &Outline) -> f64 {
+    let extent = outline.max - outline.min;
+    (outline.area / (extent.x * extent.y).max(f64::MIN_POSITIVE)).min(1.0)
+}
+
+/// How many sides take part.
+fn taking_part(sides: [bool; 2]) -> f64 {
+    f64::from(u8::from(sides[0]) + u8::from(sides[1]))
+}
+
 /// How many patches more than [`estimate`] says the lit sides have beside lamps.
 fn estimate_beside(outlines: &[Outline], sides: &[[bool; 2]], lamps: &Lamps, size: f64) -> f64 {
     let more = |(outline, sides): (&Outline, &[bool; 2])| {
@@ -172,9 +183,7 @@ fn estimate_beside(outlines: &[Outline], sides: &[[bool; 2]], lamps: &Lamps, siz
         let cells = 0..grid.cells[0] * grid.cells[1];
         let halves = |cell| near.leaves(outline, grid.corner(cell), grid.cell).len() - 1;
         let leaves: usize = cells.map(halves).sum();
-        let extent = outline.max - outline.min;
-        let filled = (outline.area / (extent.x * extent.y).max(f64::MIN_POSITIVE)).min(1.0);
-        leaves as f64 * filled * f64::from(u8::from(sides[0]) + u8::from(sides[1]))
+        leaves as f64 * filled(outline) * taking_part(*sides)
     };
     outlines.par_iter().zip(sides).map(more).collect::<Vec<f64>>().iter().sum()
 }
@@ -187,8 +196,7 @@ fn estimate(outlines: &[Outline], sides: &[[bool; 2]], size: f64) -> f64 {
         .map(|(outline, sides)| {
             let extent = outline.max - outline.min;
             let cells = (extent.x / size).ceil().max(1.0) * (extent.y / size).ceil().max(1.0);
-            let filled = (outline.area / (extent.x * extent.y).max(f64::MIN_POSITIVE)).min(1.0);
-            (cells * filled).max(1.0) * f64::from(u8::from(sides[0]) + u8::from(sides[1]))
+            (cells * filled(outline)).max(1.0) * taking_part(*sides)
         })
         .sum()
 }

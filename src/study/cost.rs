@@ -258,11 +258,10 @@ pub struct Limits {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    fn measured(patches: f64, lines: f64, [form_factors, mesh]: [f64; 2]) -> Measured {
-        Measured {
+impl Measured {
+    /// A solve of two seconds with these errors of form factors and patches, for tests.
+    pub(crate) fn example(patches: f64, lines: f64, [form_factors, mesh]: [f64; 2]) -> Self {
+        Self {
             fineness: Fineness { patches, lines },
             timings: Timings { rows: 1.0, balance: 0.5, sweeps: 0.5, ..Timings::default() },
             entries: 1e6,
@@ -274,6 +273,11 @@ mod tests {
             total: form_factors.hypot(mesh),
         }
     }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
 
     const LIMITS: Limits = Limits { fewest: 100.0, most: 1e6, gigabytes: 8.0 };
 
@@ -281,7 +285,7 @@ mod tests {
     fn choices_meet_the_target_and_none_cheaper_does() {
         let mut model = CostModel::default();
         assert!(model.cheapest(0.01, LIMITS).is_none());
-        model.learn(measured(1000.0, 64.0, [0.02, 0.05]));
+        model.learn(Measured::example(1000.0, 64.0, [0.02, 0.05]));
         let found = model.cheapest(0.02, LIMITS).unwrap();
         assert!(model.error(found).unwrap() <= 0.02);
         assert!(found.patches > 1000.0 && found.lines > 64.0, "both errors are too large: {found:?}");
@@ -294,7 +298,7 @@ mod tests {
     #[test]
     fn seconds_grow_with_patches_and_lines_and_are_those_measured_where_nothing_changes() {
         let mut model = CostModel::default();
-        let base = measured(1000.0, 64.0, [0.02, 0.05]);
+        let base = Measured::example(1000.0, 64.0, [0.02, 0.05]);
         model.learn(base);
         let at = |patches: f64, lines: f64| model.seconds(Fineness { patches, lines }).unwrap();
         assert!((at(1000.0, 64.0) / base.timings.solve() - 1.0).abs() < 1e-9);
@@ -315,7 +319,7 @@ mod tests {
     #[test]
     fn memory_bounds_the_patches() {
         let mut model = CostModel::default();
-        model.learn(measured(1000.0, 64.0, [0.02, 0.5]));
+        model.learn(Measured::example(1000.0, 64.0, [0.02, 0.5]));
         let tight = Limits { gigabytes: 0.1, ..LIMITS };
         let best = model.best_within(1e9, tight).unwrap();
         assert!(model.gigabytes(best).unwrap() <= 0.1);
@@ -328,14 +332,14 @@ mod tests {
         // 0.40 of those of 20 000, and 0.996 of these by 512.
         let at = |patches: f64, lines: f64| Fineness { patches, lines };
         let mut model = CostModel::default();
-        model.learn(measured(800.0, 48.0, [0.02, 0.05]));
+        model.learn(Measured::example(800.0, 48.0, [0.02, 0.05]));
         let (few, many) = (model.gigabytes(at(20e3, 48.0)), model.gigabytes(at(20e3, 512.0)));
         let of_all = 1e6 * 25.0 * 25.0 * 17e-9;
         assert!((few.unwrap() / (of_all * 0.399 / 0.922) - 1.0).abs() < 0.01, "{few:?}");
         assert!((many.unwrap() / few.unwrap() - 2.49).abs() < 0.02, "{many:?} against {few:?}");
         // What there is room for by few lines has none by many.
         let mut fine = CostModel::default();
-        fine.learn(Measured { entries: 1e8, ..measured(20e3, 48.0, [0.05, 1e-3]) });
+        fine.learn(Measured { entries: 1e8, ..Measured::example(20e3, 48.0, [0.05, 1e-3]) });
         let room = Limits { fewest: 20e3, most: 20e3, gigabytes: 3.0 };
         let best = fine.best_within(1e9, room).unwrap();
         assert!(best.lines > 48.0 && best.lines < 512.0, "{best:?}");
@@ -345,14 +349,14 @@ mod tests {
     #[test]
     fn the_power_of_the_mesh_is_learnt() {
         let mut model = CostModel::default();
-        model.learn(measured(1000.0, 64.0, [0.001, 0.08]));
-        model.learn(measured(4000.0, 64.0, [0.001, 0.02]));
+        model.learn(Measured::example(1000.0, 64.0, [0.001, 0.08]));
+        model.learn(Measured::example(4000.0, 64.0, [0.001, 0.02]));
         // Mesh error as 1 / n: a quarter of the error at four times the patches.
         let at = model.error(Fineness { patches: 16_000.0, lines: 64.0 }).unwrap();
         let far = Fineness { patches: 64_000.0, lines: 64.0 };
         assert_eq!(model.towards(far), far, "the power is known");
         let mut unsure = CostModel::default();
-        unsure.learn(measured(1000.0, 64.0, [0.001, 0.08]));
+        unsure.learn(Measured::example(1000.0, 64.0, [0.001, 0.08]));
         assert_eq!(unsure.towards(far).patches, 8000.0);
         let near = Fineness { patches: 5000.0, ..far };
         assert_eq!(unsure.towards(near), near);

@@ -481,18 +481,12 @@ mod tests {
     const LIMITS: Limits = Limits { fewest: 9000.0, most: 1e6, gigabytes: 8.0 };
 
     /// After the first solve, which asked for [`FIRST`], of a scene that has 9000 patches by itself.
-    fn after_the_first([form_factors, mesh]: [f64; 2]) -> CostModel {
+    fn after_the_first(errors: [f64; 2]) -> CostModel {
         let mut model = CostModel::default();
         model.learn(Measured {
-            fineness: Fineness { patches: 9000.0, lines: f64::from(FIRST.1) },
             timings: Timings { rows: 4.0, balance: 1.0, sweeps: 1.0, ..Timings::default() },
             entries: 2e7,
-            columns: 3.0,
-            overhead: 24.0,
-            shadowed: 0.0,
-            form_factors,
-            mesh,
-            total: form_factors.hypot(mesh),
+            ..Measured::example(9000.0, f64::from(FIRST.1), errors)
         });
         model
     }

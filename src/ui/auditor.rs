@@ -414,15 +414,9 @@ mod tests {
     fn auditor(form_factors: f64, mesh: f64) -> Auditor {
         let mut auditor = Auditor { budget: Some(budget(form_factors, mesh)), ..Auditor::default() };
         auditor.model.learn(Measured {
-            fineness: Fineness { patches: 1000.0, lines: 96.0 },
             timings: Timings { rows: 0.3, sweeps: 0.1, ..Timings::default() },
             entries: 3e5,
-            columns: 3.0,
-            overhead: 24.0,
-            shadowed: 0.0,
-            form_factors,
-            mesh,
-            total: form_factors.hypot(mesh),
+            ..Measured::example(1000.0, 96.0, [form_factors, mesh])
         });
         auditor
     }
