@@ -147,21 +147,21 @@ impl ViewportRenderer {
         let limit = device.limits().max_texture_dimension_2d;
         let size_px = frame.size_px.map(|n| n.clamp(1, limit));
         self.fit_target(device, size_px, samples(frame));
-        let surfaces = match frame.source {
-            ColourSource::Radiosity => Pass::Plain,
-            ColourSource::FalseColour(_) => Pass::FalseColour,
-            ColourSource::PatchIds => Pass::PatchIds,
-            ColourSource::Normals => Pass::Normals,
-        };
-        let lines = if surfaces == Pass::Plain { Pass::LinesOnLit } else { Pass::Lines };
-        for pass in [surfaces, Pass::Textured, Pass::Unlit, lines] {
-            self.pipelines.prepare_scene(device, scene_key(frame, pass));
-        }
+        self.make_ready(device, frame);
+        let [surfaces, .., lines] = passes(frame);
         queue.write_buffer(&self.frame_buffer, 0, bytemuck::bytes_of(&self.frame_uniform(frame, size_px)));
         let mut encoder =
             device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("viewport") });
         self.draw(&mut encoder, frame, surfaces, lines);
         encoder.finish()
+    }
+
+    /// Makes the pipelines that frames like this one need, where they are not there yet: the first picture
+    /// then comes sooner.
+    pub fn make_ready(&mut self, device: &wgpu::Device, frame: &FrameInput) {
+        for pass in passes(frame) {
+            self.pipelines.prepare_scene(device, scene_key(frame, pass));
+        }
     }
 
     fn fit_target(&mut self, device: &wgpu::Device, size_px: [u32; 2], samples: u32) {
@@ -341,6 +341,18 @@ impl ViewportRenderer {
 
 fn samples(frame: &FrameInput) -> u32 {
     if frame.multisample { 4 } else { 1 }
+}
+
+/// What a frame is drawn in: surfaces with patches first, lines last.
+fn passes(frame: &FrameInput) -> [Pass; 4] {
+    let surfaces = match frame.source {
+        ColourSource::Radiosity => Pass::Plain,
+        ColourSource::FalseColour(_) => Pass::FalseColour,
+        ColourSource::PatchIds => Pass::PatchIds,
+        ColourSource::Normals => Pass::Normals,
+    };
+    let lines = if surfaces == Pass::Plain { Pass::LinesOnLit } else { Pass::Lines };
+    [surfaces, Pass::Textured, Pass::Unlit, lines]
 }
 
 fn scene_key(frame: &FrameInput, pass: Pass) -> SceneKey {

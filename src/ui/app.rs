@@ -152,8 +152,10 @@ impl App {
         theme::apply(&cc.egui_ctx);
         cc.egui_ctx.add_plugin(input::TabKey::default());
         let clock = FrameClock::default();
-        let viewport =
-            cc.wgpu_render_state.clone().map(|state| Viewport::new(state, clock.drawing(), &cc.egui_ctx));
+        let viewport = cc
+            .wgpu_render_state
+            .clone()
+            .map(|gpu| Viewport::new(gpu, &state.display, clock.drawing(), &cc.egui_ctx));
         Self {
             snapshot: worker.latest(),
             worker,

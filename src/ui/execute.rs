@@ -217,7 +217,7 @@ impl App {
             // Whoever asked for one lamp alone says so after this.
             self.solo = None;
             let start = Instant::now();
-            self.picture.relight(&self.edits.lighting);
+            self.picture.settle(&self.edits.lighting);
             let what = self.describe_lamps(&before.lighting);
             let took = units::duration(start.elapsed().as_secs_f64());
             self.last_change = format!("{what}: 0 rows, 0 sweeps, {took}");

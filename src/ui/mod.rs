@@ -20,6 +20,7 @@ mod frame_clock;
 mod history;
 mod input;
 mod legend;
+mod lit;
 mod marks;
 mod microscope;
 mod news;

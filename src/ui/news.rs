@@ -7,7 +7,7 @@ use super::overlay::{NOTICE_SECS, Notice};
 use super::panels;
 use super::path_dialog::PathDialog;
 use super::state::Quantity;
-use crate::scene::SceneSource;
+use crate::scene::{Scene, SceneSource};
 use crate::session::{Snapshot, Stage};
 use std::sync::Arc;
 
@@ -16,14 +16,20 @@ impl App {
     pub(super) fn listen(&mut self, ctx: &egui::Context) {
         let before = std::mem::replace(&mut self.snapshot, self.worker.latest());
         let wake = ctx.clone();
-        let wake = move || wake.request_repaint();
-        let news = self.picture.follow(&self.snapshot, &self.reclaim, wake);
+        let wake = move |seconds| wake.request_repaint_after_secs(seconds);
+        let lighting = |scene: &Arc<Scene>| match &self.scene_shown {
+            Some(shown) if Arc::ptr_eq(shown, scene) => self.edits.lighting.clone(),
+            _ => scene.lighting(),
+        };
+        let shading = self.edits.display.shading;
+        let news = self.picture.follow(&self.snapshot, lighting, shading, &self.reclaim, wake);
         if news.mesh {
             self.adopt_scene();
         }
         if news.bases {
             self.picture.settle_comparison();
-            self.picture.relight(&self.edits.lighting);
+            // Switched while the light was made.
+            self.picture.settle(&self.edits.lighting);
             self.stale.light = true;
             self.stale.exposure = true;
         }

@@ -1,11 +1,14 @@
 //! From snapshots and lamps to what the graphics card draws.
 //!
-//! A new mesh is prepared on a helper thread; until it is ready the old scene stays on screen,
-//! whole. New light, from the worker or from a switched lamp, is one sum over light bases.
+//! A new mesh and its light are prepared on helper threads; until both are ready the old scene stays on
+//! screen, whole. Light is one sum over light bases: on a helper thread where the solver brings new ones,
+//! at once where a lamp is switched.
 
 use super::collision::Obstacles;
 use super::comparison::Kept;
 use super::exposure::Metered;
+use super::lit::{LightMaker, Lit, Source};
+use super::panels::solver::is_running;
 use super::reclaim::Reclaim;
 use super::state::{DisplaySettings, Quantity, ShadingMode};
 use crate::display::{
@@ -18,6 +21,7 @@ use crate::render::{MeshUploader, Picker, UploadError, UploadedMesh};
 use crate::scene::{Lighting, Scene, luminance_weighted};
 use crate::session::Snapshot;
 use crate::solver::{LightBases, PatchLight, Power};
+use std::borrow::Cow;
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, TryRecvError, channel};
 
@@ -65,15 +69,20 @@ fn aspect(mesh: &PatchMesh, patch: &Patch) -> f32 {
     if patch.area > 0.0 { (longest * longest / patch.area) as f32 } else { 0.0 }
 }
 
+/// How long light of a mesh that is on screen may wait for the next frame, seconds. While the solver is at
+/// work it tells of itself more often than that, and every further frame that a software driver draws is
+/// taken from it.
+const PATIENCE: f32 = 0.1;
+
 /// What the helper thread makes of a mesh.
 struct Built {
-    prepared: Prepared,
+    prepared: Arc<Prepared>,
     uploaded: Option<Result<UploadedMesh, UploadError>>,
 }
 
 impl Built {
     fn new(serial: u64, scene: Arc<Scene>, mesh: Arc<PatchMesh>, uploader: Option<&MeshUploader>) -> Self {
-        let prepared = Prepared::build(serial, scene, mesh);
+        let prepared = Arc::new(Prepared::build(serial, scene, mesh));
         let uploaded = uploader.map(|u| u.upload(&prepared.display, &prepared.scene.textures));
         Self { prepared, uploaded }
     }
@@ -93,14 +102,21 @@ pub(super) struct News {
 pub(super) struct Picture {
     pub(super) prepared: Option<Arc<Prepared>>,
     building: Option<(u64, Receiver<Built>)>,
+    /// A mesh that waits for its light.
+    arriving: Option<Built>,
     /// Where there is a graphics card.
     uploader: Option<MeshUploader>,
     /// The mesh that came to the screen last, on its way to the renderer.
     pub(super) uploaded: Option<Result<UploadedMesh, UploadError>>,
+    maker: LightMaker,
     bases: Option<Arc<LightBases>>,
     pub(super) reflectance: Arc<Vec<[f32; 3]>>,
+    /// That `light` is of.
+    lighting: Lighting,
     /// As the lamps stand.
     pub(super) light: PatchLight,
+    /// Its radiosities at the corners that are drawn, where the helper thread has spread them.
+    corners: Option<(ShadingMode, Vec<[f32; 3]>)>,
     /// Where its power goes.
     pub(super) power: Power,
     /// Grows with every change of `light`.
@@ -115,53 +131,97 @@ impl Picture {
         Self { uploader, ..Self::default() }
     }
 
-    /// Takes over what the worker published; what it replaces goes to `reclaim`. `wake` is called from the helper thread once a new
-    /// mesh is ready.
+    /// Takes over what the worker published; what it replaces goes to `reclaim`. A new mesh comes to the
+    /// screen together with its light. Light is made for the lamps that `lighting` tells of a scene; where
+    /// they have changed meanwhile the caller has it [settled](Self::settle). `wake` is called from helper
+    /// threads once there is something to look for, with the seconds that it may wait.
     pub(super) fn follow(
         &mut self,
         snapshot: &Snapshot,
+        lighting: impl FnOnce(&Arc<Scene>) -> Lighting,
+        shading: ShadingMode,
         reclaim: &Reclaim,
-        wake: impl FnOnce() + Send + 'static,
+        wake: impl Fn(f32) + Clone + Send + 'static,
     ) -> News {
-        let mut news = News::default();
-        self.start_building(snapshot, wake);
-        if let Some((serial, receiver)) = &self.building {
+        let serial = snapshot.mesh_serial;
+        let soon = wake.clone();
+        self.start_building(snapshot, move || soon(0.0));
+        if let Some((_, receiver)) = &self.building {
             match receiver.try_recv() {
-                // A mesh that is out of date already is not worth showing.
-                Ok(Built { prepared, uploaded }) if *serial == snapshot.mesh_serial => {
-                    self.uploaded = uploaded;
-                    reclaim.later(self.prepared.replace(Arc::new(prepared)));
+                Ok(built) => {
+                    reclaim.later(self.arriving.replace(built));
                     self.building = None;
-                    self.bases = None;
-                    self.light = PatchLight::default();
-                    self.light_version += 1;
-                    news.mesh = true;
                 }
-                Ok(_) | Err(TryRecvError::Disconnected) => self.building = None,
+                Err(TryRecvError::Disconnected) => self.building = None,
                 Err(TryRecvError::Empty) => {}
             }
         }
-        if self.prepared.as_ref().is_some_and(|p| p.mesh_serial == snapshot.mesh_serial) {
-            let same = match (&self.bases, &snapshot.bases) {
-                (Some(a), Some(b)) => Arc::ptr_eq(a, b),
-                (None, None) => true,
-                _ => false,
-            };
-            if !same || !Arc::ptr_eq(&self.reflectance, &snapshot.reflectance) {
-                reclaim.later(std::mem::replace(&mut self.bases, snapshot.bases.clone()));
-                self.reflectance = Arc::clone(&snapshot.reflectance);
+        // A mesh that is out of date already is not worth showing.
+        reclaim.later(self.arriving.take_if(|built| built.prepared.mesh_serial != serial));
+        let mut news = News::default();
+        match self.maker.take() {
+            Some(lit) if lit.source.prepared.mesh_serial == serial => {
+                news.mesh = self.bring_mesh(reclaim);
+                self.take_light(lit, reclaim);
                 news.bases = true;
             }
+            stale => reclaim.later(stale),
+        }
+        let arriving = self.arriving.as_ref().map(|built| &built.prepared);
+        let Some(prepared) = arriving.or(self.prepared.as_ref()).filter(|p| p.mesh_serial == serial) else {
+            return news;
+        };
+        match &snapshot.bases {
+            Some(bases) if arriving.is_some() || !self.is_lit_by(bases, &snapshot.reflectance) => {
+                let source = || Source {
+                    prepared: Arc::clone(prepared),
+                    bases: Arc::clone(bases),
+                    reflectance: Arc::clone(&snapshot.reflectance),
+                    lighting: lighting(&prepared.scene),
+                    shading,
+                };
+                let patience = if arriving.is_some() { 0.0 } else { PATIENCE };
+                self.maker.ask(source, move || wake(patience));
+            }
+            // Light is on its way, or there will be none.
+            None if snapshot.paused || !is_running(snapshot.stage) => news.mesh |= self.bring_mesh(reclaim),
+            _ => {}
         }
         news
+    }
+
+    fn is_lit_by(&self, bases: &Arc<LightBases>, reflectance: &Arc<Vec<[f32; 3]>>) -> bool {
+        self.bases.as_ref().is_some_and(|own| Arc::ptr_eq(own, bases))
+            && Arc::ptr_eq(&self.reflectance, reflectance)
+    }
+
+    /// Brings the mesh that waits to the screen, dark. Returns whether there was one.
+    fn bring_mesh(&mut self, reclaim: &Reclaim) -> bool {
+        let Some(Built { prepared, uploaded }) = self.arriving.take() else { return false };
+        self.uploaded = uploaded;
+        reclaim.later(self.prepared.replace(prepared));
+        (self.bases, self.corners) = (None, None);
+        self.light = PatchLight::default();
+        self.light_version += 1;
+        true
+    }
+
+    fn take_light(&mut self, lit: Lit, reclaim: &Reclaim) {
+        let Source { bases, reflectance, lighting, shading, .. } = lit.source;
+        reclaim.later(self.bases.replace(bases));
+        (self.reflectance, self.lighting) = (reflectance, lighting);
+        (self.light, self.power) = (lit.light, lit.power);
+        self.corners = Some((shading, lit.corners));
+        self.light_version += 1;
     }
 
     fn start_building(&mut self, snapshot: &Snapshot, wake: impl FnOnce() + Send + 'static) {
         let serial = snapshot.mesh_serial;
         let shown = self.prepared.as_ref().map(|p| p.mesh_serial);
+        let arriving = self.arriving.as_ref().map(|built| built.prepared.mesh_serial);
         let underway = self.building.as_ref().map(|b| b.0);
         let (Some(scene), Some(mesh)) = (&snapshot.scene, &snapshot.mesh) else { return };
-        if shown == Some(serial) || underway == Some(serial) {
+        if [shown, arriving, underway].contains(&Some(serial)) {
             return;
         }
         let (scene, mesh) = (Arc::clone(scene), Arc::clone(mesh));
@@ -179,14 +239,18 @@ impl Picture {
 
     /// Whether a mesh is on its way to the screen.
     pub(super) fn is_building(&self) -> bool {
-        self.building.is_some()
+        self.building.is_some() || self.arriving.is_some()
     }
 
-    /// The light of all patches as the lamps stand: one sum, no solve.
-    pub(super) fn relight(&mut self, lighting: &Lighting) {
-        if let (Some(prepared), Some(bases)) = (&self.prepared, &self.bases) {
+    /// The light of all patches as the lamps stand: one sum, no solve. Where it is of these lamps already nothing is done.
+    pub(super) fn settle(&mut self, lighting: &Lighting) {
+        if let (Some(prepared), Some(bases)) = (&self.prepared, &self.bases)
+            && self.lighting != *lighting
+        {
             self.light = bases.mix(&prepared.mesh, lighting, &self.reflectance);
             self.power = self.light.power(&prepared.mesh, &self.reflectance);
+            self.lighting.clone_from(lighting);
+            self.corners = None;
             self.light_version += 1;
         }
     }
@@ -272,8 +336,17 @@ impl Picture {
         }
     }
 
+    /// Radiosities of the light on screen at the corners that are drawn, each band times its gain.
+    pub(super) fn corner_radiosity(&self, shading: ShadingMode, gains: [f32; 3]) -> Cow<'_, [[f32; 3]]> {
+        match &self.corners {
+            Some((of, corners)) if *of == shading && gains == [1.0; 3] => Cow::Borrowed(corners),
+            Some((of, corners)) if *of == shading => Cow::Owned(amplified(corners.clone(), gains)),
+            _ => Cow::Owned(self.corner_radiosity_of(&self.light, shading, gains)),
+        }
+    }
+
     /// Radiosities of a light at the corners that are drawn, each band times its gain.
-    pub(super) fn corner_radiosity(
+    pub(super) fn corner_radiosity_of(
         &self,
         light: &PatchLight,
         shading: ShadingMode,
@@ -281,13 +354,7 @@ impl Picture {
     ) -> Vec<[f32; 3]> {
         let Some(prepared) = &self.prepared else { return Vec::new() };
         let (radiosity, irradiance) = (&light.radiosity, &light.irradiance);
-        let mut corners = prepared.display.corner_radiosity(radiosity, irradiance, shading_of(shading));
-        if gains != [1.0; 3] {
-            for corner in &mut corners {
-                *corner = std::array::from_fn(|b| corner[b] * gains[b]);
-            }
-        }
-        corners
+        amplified(prepared.display.corner_radiosity(radiosity, irradiance, shading_of(shading)), gains)
     }
 
     /// Values of patches with the areas that have them, m².
@@ -303,6 +370,16 @@ impl Picture {
             if display.quantity.follows_light() { shading_of(display.shading) } else { Shading::Flat };
         self.prepared.as_ref().map_or_else(Vec::new, |p| p.display.corner_scalars(values, shading))
     }
+}
+
+/// Values of three bands, each band times its gain.
+fn amplified(mut values: Vec<[f32; 3]>, gains: [f32; 3]) -> Vec<[f32; 3]> {
+    if gains != [1.0; 3] {
+        for value in &mut values {
+            *value = std::array::from_fn(|b| value[b] * gains[b]);
+        }
+    }
+    values
 }
 
 /// Least value that the scale of what spans decades tells apart, of its largest.
@@ -331,5 +408,99 @@ pub(super) fn shading_of(mode: ShadingMode) -> Shading {
     match mode {
         ShadingMode::Smooth => Shading::Gouraud,
         ShadingMode::Flat => Shading::Flat,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::{SceneSource, load};
+    use crate::session::{Control, SolveSettings, Stage, solve};
+    use std::sync::atomic::AtomicBool;
+    use std::time::{Duration, Instant};
+
+    /// A light that has converged.
+    fn converged() -> Snapshot {
+        let scene = load(&SceneSource::Builtin("cornell".to_owned())).unwrap();
+        let settings = SolveSettings {
+            patches: crate::mesh::PatchTarget::Count(60),
+            resolution: Some(16),
+            ..SolveSettings::default()
+        };
+        let never = AtomicBool::new(false);
+        let solved = solve(Arc::new(scene), &settings, &never, &mut |_| Control::Continue).unwrap();
+        let reflectance = solved
+            .mesh
+            .patches
+            .iter()
+            .map(|p| solved.scene.materials[p.material as usize].reflectance.map(|r| r as f32));
+        Snapshot {
+            mesh_serial: 1,
+            stage: Stage::Converged,
+            reflectance: Arc::new(reflectance.collect()),
+            scene: Some(solved.scene),
+            mesh: Some(solved.mesh),
+            bases: Some(solved.bases),
+            ..Snapshot::default()
+        }
+    }
+
+    fn news_of(picture: &mut Picture, snapshot: &Snapshot) -> News {
+        let lighting = |scene: &Arc<Scene>| scene.lighting();
+        picture.follow(snapshot, lighting, ShadingMode::Smooth, &Reclaim::default(), |_| {})
+    }
+
+    /// Follows until there is news.
+    fn wait(picture: &mut Picture, snapshot: &Snapshot) -> News {
+        let deadline = Instant::now() + Duration::from_secs(60);
+        while Instant::now() < deadline {
+            let news = news_of(picture, snapshot);
+            if news.mesh || news.bases {
+                return news;
+            }
+            std::thread::sleep(Duration::from_millis(1));
+        }
+        panic!("nothing came to the screen");
+    }
+
+    #[test]
+    fn a_mesh_comes_to_the_screen_with_its_light() {
+        let lit = converged();
+        let mut picture = Picture::default();
+        let dark = Snapshot { bases: None, stage: Stage::Rows, ..lit.clone() };
+        while picture.arriving.is_none() {
+            let news = news_of(&mut picture, &dark);
+            assert!(!news.mesh && picture.prepared.is_none(), "a mesh that has no light yet is not shown");
+            std::thread::sleep(Duration::from_millis(1));
+        }
+        let news = wait(&mut picture, &lit);
+        assert!(news.mesh && news.bases);
+        assert!(picture.light.radiosity.iter().any(|b| b[1] > 0.0));
+        let spread = picture.corner_radiosity_of(&picture.light, ShadingMode::Smooth, [2.0; 3]);
+        assert_eq!(*picture.corner_radiosity(ShadingMode::Smooth, [2.0; 3]), *spread);
+        let flat = picture.corner_radiosity_of(&picture.light, ShadingMode::Flat, [1.0; 3]);
+        assert_eq!(*picture.corner_radiosity(ShadingMode::Flat, [1.0; 3]), *flat);
+    }
+
+    #[test]
+    fn a_mesh_that_will_have_no_light_is_shown_dark() {
+        let snapshot = Snapshot { bases: None, stage: Stage::Stopped, ..converged() };
+        let mut picture = Picture::default();
+        let news = wait(&mut picture, &snapshot);
+        assert!(news.mesh && !news.bases && picture.light.radiosity.is_empty());
+    }
+
+    #[test]
+    fn a_lamp_that_was_switched_while_its_light_was_made_is_out() {
+        let snapshot = converged();
+        let mut picture = Picture::default();
+        wait(&mut picture, &snapshot);
+        let mut lighting = snapshot.scene.as_ref().unwrap().lighting();
+        lighting.lamps.iter_mut().for_each(|lamp| lamp.on = false);
+        let version = picture.light_version;
+        picture.settle(&lighting);
+        assert!(picture.light_version > version);
+        assert!(picture.light.radiosity.iter().all(|b| *b == [0.0; 3]));
+        assert!(picture.corner_radiosity(ShadingMode::Smooth, [1.0; 3]).iter().all(|b| *b == [0.0; 3]));
     }
 }

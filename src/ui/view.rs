@@ -9,7 +9,6 @@ use super::{input, legend, marks, outline, overlay, picture, theme};
 use crate::render::{Camera, ColourSource, FrameInput, Pick};
 use crate::scene::SceneSource;
 use crate::session::Stage;
-use crate::solver::PatchLight;
 use egui::{CursorIcon, PointerButton, Rect, Sense, Vec2};
 use glam::DVec2;
 
@@ -184,12 +183,12 @@ impl App {
             }
             self.shown_values = shown.unwrap_or_default();
         } else {
-            let gains = self.gains;
-            let corners = |light: &PatchLight| self.picture.corner_radiosity(light, display.shading, gains);
-            let [now, kept] = lights.map(|light| light.map(corners));
+            let (shading, gains) = (display.shading, self.gains);
+            let now = self.picture.corner_radiosity(shading, gains);
+            let kept = kept.map(|light| self.picture.corner_radiosity_of(light, shading, gains));
             if let Some(viewport) = &self.viewport {
                 viewport.upload(|renderer, _, queue| {
-                    now.iter().for_each(|corners| renderer.set_light(queue, corners));
+                    renderer.set_light(queue, &now);
                     kept.iter().for_each(|corners| renderer.set_stored_light(queue, corners));
                 });
             }

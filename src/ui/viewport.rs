@@ -2,8 +2,10 @@
 
 use super::frame_clock::DrawTime;
 use super::recovery::{Trouble, Troubles};
-use crate::render::{FrameInput, MeshUploader, ViewportRenderer};
+use super::state::DisplaySettings;
+use crate::render::{Camera, FrameInput, MeshUploader, ViewportRenderer};
 use eframe::egui_wgpu::{self, CallbackResources, RenderState};
+use glam::DVec3;
 
 /// What lives on the graphics card between frames.
 struct Resources {
@@ -24,14 +26,27 @@ pub(super) struct Viewport {
 }
 
 impl Viewport {
-    /// Readies the drawing, which `drawing` counts from now on.
-    pub(super) fn new(state: RenderState, drawing: DrawTime, ctx: &egui::Context) -> Self {
+    /// Readies the drawing, which `drawing` counts from now on, for pictures of this display.
+    pub(super) fn new(
+        state: RenderState,
+        display: &DisplaySettings,
+        drawing: DrawTime,
+        ctx: &egui::Context,
+    ) -> Self {
         let troubles = Troubles::of(&state.device, ctx);
-        let renderer = ViewportRenderer::new(&state.device, &state.queue, state.target_format);
+        let mut renderer = ViewportRenderer::new(&state.device, &state.queue, state.target_format);
         let uploader = renderer.uploader(&state.device, &state.queue);
+        let software = state.adapter.get_info().device_type == wgpu::DeviceType::Cpu;
+        let camera = Camera { eye: DVec3::ZERO, forward: DVec3::X, up: DVec3::Z, fov_y_deg: 60.0 };
+        let first = FrameInput {
+            tone_map: display.tone_map,
+            wireframe: display.wireframe,
+            multisample: !software,
+            ..FrameInput::new(camera, [1, 1])
+        };
+        renderer.make_ready(&state.device, &first);
         let resources = Resources { renderer, generation: 0, drawn: None };
         state.renderer.write().callback_resources.insert(resources);
-        let software = state.adapter.get_info().device_type == wgpu::DeviceType::Cpu;
         Self { state, software, drawing, uploader, troubles }
     }
 

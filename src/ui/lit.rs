@@ -1,0 +1,79 @@
+//! What the solver has found, made ready for the screen on a helper thread: summing light bases and
+//! spreading it to the corners would take the window's own thread milliseconds, many times a solve.
+
+use super::picture::{Prepared, shading_of};
+use super::state::ShadingMode;
+use crate::scene::Lighting;
+use crate::solver::{LightBases, PatchLight, Power};
+use std::sync::Arc;
+use std::sync::mpsc::{Receiver, TryRecvError, channel};
+
+/// What light is made from.
+#[derive(Clone)]
+pub(super) struct Source {
+    pub(super) prepared: Arc<Prepared>,
+    pub(super) bases: Arc<LightBases>,
+    pub(super) reflectance: Arc<Vec<[f32; 3]>>,
+    pub(super) lighting: Lighting,
+    pub(super) shading: ShadingMode,
+}
+
+/// Light for the screen.
+pub(super) struct Lit {
+    pub(super) source: Source,
+    pub(super) light: PatchLight,
+    /// Where its power goes.
+    pub(super) power: Power,
+    /// Its radiosities at the corners that are drawn.
+    pub(super) corners: Vec<[f32; 3]>,
+}
+
+impl Lit {
+    fn new(source: Source) -> Self {
+        let Source { prepared, bases, reflectance, lighting, shading } = &source;
+        let light = bases.mix(&prepared.mesh, lighting, reflectance);
+        let power = light.power(&prepared.mesh, reflectance);
+        let shading = shading_of(*shading);
+        let corners = prepared.display.corner_radiosity(&light.radiosity, &light.irradiance, shading);
+        Self { light, power, corners, source }
+    }
+}
+
+/// Makes light, one at a time.
+#[derive(Default)]
+pub(super) struct LightMaker {
+    underway: Option<(Source, Receiver<Lit>)>,
+}
+
+impl LightMaker {
+    /// Begins to make light, unless some is being made. `wake` is called from the helper thread once it is there.
+    pub(super) fn ask(&mut self, source: impl FnOnce() -> Source, wake: impl FnOnce() + Send + 'static) {
+        if self.underway.is_some() {
+            return;
+        }
+        let source = source();
+        let (sender, receiver) = channel();
+        let of = source.clone();
+        let work = move || {
+            // Nobody listens any more when the window has closed.
+            sender.send(Lit::new(of)).ok();
+            wake();
+        };
+        // Where no thread can be had the sender is gone, and `take` makes the light itself.
+        std::thread::Builder::new().name("light for display".to_owned()).spawn(work).ok();
+        self.underway = Some((source, receiver));
+    }
+
+    /// Light that is ready.
+    pub(super) fn take(&mut self) -> Option<Lit> {
+        let (source, receiver) = self.underway.take()?;
+        match receiver.try_recv() {
+            Ok(lit) => Some(lit),
+            Err(TryRecvError::Empty) => {
+                self.underway = Some((source, receiver));
+                None
+            }
+            Err(TryRecvError::Disconnected) => Some(Lit::new(source)),
+        }
+    }
+}
