@@ -43,8 +43,6 @@ const CLOSED: f64 = 2e-5;
 const NEARLY_CLOSED: f64 = 2e-3;
 /// What closed forms leave open beyond this is no rounding of theirs.
 const GAP: f64 = 5e-4;
-/// A lamp of less than this fraction of a receiver's radius judges the pair better than the receiver.
-const SMALL_LAMP: f64 = 0.25;
 /// Scaling stops at this deviation of row sums, or after that many passes.
 const BALANCED: f64 = 1e-7;
 const MOST_PASSES: usize = 40;
@@ -63,7 +61,8 @@ const HEADROOM: f64 = 1.0 - 2e-7;
 impl FormFactors {
     /// Builds the matrix from one sampled row a patch.
     ///
-    /// 1. Each pair takes the mean of its two samples; a lamp's the receiver's, who sees it better.
+    /// 1. Each pair takes a mean of its two samples, in which the smaller patch counts for more; a lamp's
+    ///    takes the receiver's, who sees it better.
     /// 2. Close pairs take closed forms times their visible fraction.
     /// 3. A symmetric scaling (Sinkhorn & Knopp 1967) gives every row its sum: one where the point
     ///    saw no opening, else what was sampled and then mended for close pairs.
@@ -405,20 +404,10 @@ impl Block {
 }
 
 /// Exchange area of a pair from the two samples `out` = A_i F_ij and `back` = A_j F_ji, m².
-///
-/// Between a lamp and a receiver the sample of one side is taken: the receiver's, who sees the shape
-/// of the lamp; the lamp's where it is small against the receiver, or could fall between samples.
 fn pair_value(computer: &RowComputer, i: u32, j: u32, out: f64, back: f64) -> f64 {
+    // In one order for (i, j) and (j, i), so that both round alike.
+    let ((a, x), (b, y)) = if i < j { ((i, out), (j, back)) } else { ((j, back), (i, out)) };
     let patches = &computer.mesh().patches;
-    let (a, b) = (&patches[i as usize], &patches[j as usize]);
-    let small = if computer.misses_nothing() { SMALL_LAMP } else { 1.0 };
-    match (a.luminaire.is_some(), b.luminaire.is_some()) {
-        (false, true) if b.radius < small * a.radius => back,
-        (false, true) => out,
-        (true, false) if a.radius < small * b.radius => out,
-        (true, false) => back,
-        // In one order for (i, j) and (j, i), so that both round alike.
-        _ if i < j => 0.5 * (out + back),
-        _ => 0.5 * (back + out),
-    }
+    let [of_a, of_b] = near::trust(computer, &patches[a as usize], &patches[b as usize]);
+    of_a * x + of_b * y
 }

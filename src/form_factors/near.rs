@@ -20,20 +20,48 @@ pub(super) fn is_close(a: &Patch, b: &Patch) -> bool {
     a.region != b.region && a.centre.distance_squared(b.centre) < reach * reach
 }
 
+/// A lamp of less than this fraction of a receiver's radius judges the pair better than the receiver.
+const SMALL_LAMP: f64 = 0.25;
+
+/// Shares of the two samples of a pair in what is made of them.
+///
+/// Between a lamp and a receiver the sample of one side is taken: the receiver's, who sees the shape
+/// of the lamp; the lamp's where it is small against the receiver, or could fall between samples. Of two
+/// others the smaller counts for more, by their areas: what its point sees all of it sees, and it finds
+/// the larger one with more of its samples. Under a table lamp whose shade was one patch of 13 cm the means
+/// of both had left a lamp's neck with an eighth of its light.
+pub(super) fn trust(computer: &RowComputer, a: &Patch, b: &Patch) -> [f64; 2] {
+    let small = if computer.misses_nothing() { SMALL_LAMP } else { 1.0 };
+    match (a.luminaire.is_some(), b.luminaire.is_some()) {
+        (false, true) if b.radius < small * a.radius => [0.0, 1.0],
+        (false, true) => [1.0, 0.0],
+        (true, false) if a.radius < small * b.radius => [1.0, 0.0],
+        (true, false) => [0.0, 1.0],
+        _ => [b.area / (a.area + b.area), a.area / (a.area + b.area)],
+    }
+}
+
 /// Exchange area A_i F_ij of a close pair, from both sampled rows and closed forms, m².
 fn exchange(computer: &RowComputer, rows: &[Row], i: u32, j: u32) -> f64 {
     let mesh = computer.mesh();
     let (a, b) = (&mesh.patches[i as usize], &mesh.patches[j as usize]);
-    let sampled = a.area * rows[i as usize].get(j) + b.area * rows[j as usize].get(i);
+    let [of_a, of_b] = trust(computer, a, b);
+    let (out, back) = (a.area * rows[i as usize].get(j), b.area * rows[j as usize].get(i));
+    let sampled = of_a * out + of_b * back;
     // The closed form from the very points that the rows were gathered at.
     let from = |patch: &Patch, index: u32, other: u32| -> f64 {
         let row = &rows[index as usize];
         let points = computer.open_points(index, row.points, row.covered);
         patch.area * points.iter().map(|&(x, w)| w * computer.unoccluded(x, patch.normal, other)).sum::<f64>()
     };
-    let from_points = from(a, i, j) + from(b, j, i);
+    let mut from_points = 0.0;
+    for (weight, patch, index, other) in [(of_a, a, i, j), (of_b, b, j, i)] {
+        if weight > 0.0 {
+            from_points += weight * from(patch, index, other);
+        }
+    }
     if from_points <= 0.0 {
-        return 0.5 * sampled;
+        return sampled;
     }
     let visible = sampled / from_points;
     let visible = if visible >= CLEAR { 1.0 } else { visible };

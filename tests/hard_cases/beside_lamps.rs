@@ -1,6 +1,6 @@
 //! Lamps that stand close to what they light: patches beside them are smaller than elsewhere.
 
-use crate::common::{Model, builtin, lines};
+use crate::common::{Model, assembled, builtin, close, lines};
 use crate::geometry::room;
 use crate::laws::{Kind, hold_model};
 use glam::{DVec3, dvec3};
@@ -20,7 +20,7 @@ fn lamp_before_a_wall(distance: f64, towards: bool, exitance: f64) -> Scene {
 }
 
 fn meshed(scene: &Scene, target: PatchTarget) -> PatchMesh {
-    build(scene, &MeshSettings { target, backs: Backs::None, textures: true }).expect("meshed")
+    build(scene, &MeshSettings { target, backs: Backs::None, ..MeshSettings::default() }).expect("meshed")
 }
 
 /// Irradiance on the wall for an exitance of one: the form factor of the lamp (Lambert).
@@ -154,4 +154,32 @@ fn the_laws_hold_with_a_lamp_a_hand_from_the_wall() {
     let made = crate::common::assembled(&m.scene(), &settings);
     let small = made.patches().iter().filter(|p| p.luminaire.is_none() && p.area < 0.01).count();
     assert!(small > 30, "{small} small patches beside the lamp");
+}
+
+#[test]
+fn the_neck_of_a_table_lamp_gets_the_light_of_the_shade_around_it() {
+    // A shade of one patch above a post, whose side sees half of it. The middle of the shade sees next to nothing
+    // but the top of the post.
+    let mut m = Model::new();
+    m.grey("paint", 0.5).paint("glow", [0.5; 3], [100.0; 3]);
+    m.room(DVec3::ZERO, DVec3::splat(3.0), [Some("paint"); 6]);
+    m.object("lamp").quad("glow", dvec3(1.37, 1.37, 0.5), DVec3::Y * 0.26, DVec3::X * 0.26);
+    m.block("post", "paint", dvec3(1.485, 1.485, 0.1), dvec3(1.515, 1.515, 0.49));
+    let made = assembled(&m.scene(), &lines(PatchTarget::Size(0.3)));
+    let mesh = &made.prepared.mesh;
+    let lamps: Vec<usize> =
+        (0..mesh.patches.len()).filter(|&i| mesh.patches[i].luminaire.is_some()).collect();
+    assert_eq!(lamps.len(), 1);
+    let shade = [(1.37, 1.37), (1.37, 1.63), (1.63, 1.63), (1.63, 1.37)].map(|(x, y)| dvec3(x, y, 0.5));
+    let (mut found, mut expected) = (0.0, 0.0);
+    for (i, patch) in mesh.patches.iter().enumerate() {
+        let on_side =
+            (patch.centre - dvec3(1.5, 1.5, patch.centre.z)).length() < 0.03 && patch.normal.z.abs() < 0.1;
+        if on_side && patch.centre.z > 0.4 {
+            found += made.form_factors.get(i, lamps[0]);
+            expected += point_to_polygon(patch.centre, patch.normal, &shade);
+        }
+    }
+    assert!(expected > 1.0);
+    close("form factors of the post to the shade", found, expected, 0.05);
 }
