@@ -95,6 +95,7 @@ impl SolveOptions {
             )));
         }
         Ok(SolveSettings {
+            refinement: None,
             patches: self.patches.target(unit),
             method,
             resolution: self.resolution,

@@ -35,6 +35,7 @@ pub(super) fn report(
         version: env!("CARGO_PKG_VERSION"),
         scene: scene(&solved.scene, lighting),
         settings: SettingsReport {
+            finer_where_wrong: settings.refinement.is_some(),
             patches: match settings.patches {
                 PatchTarget::Auto => "auto".into(),
                 PatchTarget::Size(size) => format!("{size} m"),

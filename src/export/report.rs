@@ -103,6 +103,8 @@ pub struct FindingReport {
 pub struct SettingsReport {
     /// In words: "auto", "0.1 m", "2000 patches".
     pub patches: String,
+    /// Whether patches are smaller where a check found errors.
+    pub finer_where_wrong: bool,
     /// lines, hemicube, hemicube-aligned or rays.
     pub method: &'static str,
     /// Half-planes, cells along an edge of the cube, or rays.

@@ -1,11 +1,13 @@
-use super::grading::Lamps;
+use super::grading::{Grading, Lamps};
 use super::patches;
 use super::pieces::{self, Cut, Grid};
 use super::reach::{Buried, Reach, Search};
+use super::refinement::Refinement;
 use super::regions::{self, Outline};
 use super::types::{MeshStatistics, NO_PATCH, Patch, PatchMesh, Side};
 use crate::scene::Scene;
 use rayon::prelude::*;
+use std::sync::Arc;
 
 /// How finely surfaces are split.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -22,7 +24,7 @@ pub enum PatchTarget {
 }
 
 /// Everything that the mesh depends on besides the scene.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct MeshSettings {
     /// How finely surfaces are split.
     pub target: PatchTarget,
@@ -30,6 +32,8 @@ pub struct MeshSettings {
     pub backs: Backs,
     /// Whether reflectances follow textures (see [`crate::effects::Effect::Textures`]).
     pub textures: bool,
+    /// Where patches are to be smaller than elsewhere.
+    pub refinement: Option<Arc<Refinement>>,
 }
 
 /// Which backs of surfaces take part.
@@ -46,7 +50,7 @@ pub enum Backs {
 
 impl Default for MeshSettings {
     fn default() -> Self {
-        Self { target: PatchTarget::Auto, backs: Backs::Reached, textures: true }
+        Self { target: PatchTarget::Auto, backs: Backs::Reached, textures: true, refinement: None }
     }
 }
 
@@ -73,6 +77,10 @@ pub enum MeshError {
     },
 }
 
+/// Of a number of patches so much may go where a refinement asks for smaller ones.
+const MOST_ASKED: f64 = 0.7;
+/// A refinement is not loosened further than to edges so many times as long.
+const MOST_SLACK: f64 = 64.0;
 /// The most patches that [`build`] makes.
 const PATCH_LIMIT: usize = 2_000_000;
 
@@ -99,8 +107,12 @@ pub fn build(scene: &Scene, settings: &MeshSettings) -> Result<PatchMesh, MeshEr
     let sides: Vec<[bool; 2]> = reached.iter().map(|r| r.map(|side| side == Reach::Lit)).collect();
 
     // 2. Choose the patch size and cut.
-    let lamps = Lamps::new(scene, &outlines, &sides, size);
-    let patch_size = patch_size(scene, settings.target, &outlines, &sides, &lamps)?;
+    let mut finer = Finer {
+        lamps: Lamps::new(scene, &outlines, &sides, size),
+        refinement: settings.refinement.as_deref(),
+        slack: 1.0,
+    };
+    let patch_size = patch_size(scene, settings.target, &outlines, &sides, &mut finer)?;
     let mut mesh = PatchMesh { size, ..PatchMesh::default() };
     let contacts = if as_given { Vec::new() } else { pieces::contacts(&outlines, patch_size, size) };
     for (index, outline) in outlines.iter().enumerate() {
@@ -110,8 +122,8 @@ pub fn build(scene: &Scene, settings: &MeshSettings) -> Result<PatchMesh, MeshEr
             patches::group_by_surface(&mesh, region.pieces.clone())
         } else {
             let grid = Grid::new(outline, patch_size);
-            let near = lamps.beside(outline, sides[index], patch_size);
-            let cuts: Vec<Cut> = pieces::cut(outline, &grid, &contacts[index], &near);
+            let grading = finer.on(index, outline, sides[index], patch_size);
+            let cuts: Vec<Cut> = pieces::cut(outline, &grid, &contacts[index], &grading);
             pieces::append(&mut mesh, outline, &grid, &cuts);
             patches::group_by_cell(&mesh, mesh.regions[index].pieces.clone(), &grid, &cuts, &contacts[index])
         };
@@ -172,23 +184,39 @@ fn taking_part(sides: [bool; 2]) -> f64 {
     f64::from(u8::from(sides[0]) + u8::from(sides[1]))
 }
 
-/// How many patches more than [`estimate`] says the lit sides have beside lamps.
-fn estimate_beside(outlines: &[Outline], sides: &[[bool; 2]], lamps: &Lamps, size: f64) -> f64 {
-    let more = |(outline, sides): (&Outline, &[bool; 2])| {
-        let near = lamps.beside(outline, *sides, size);
-        if near.is_empty() {
-            return 0.0;
-        }
-        let grid = Grid::new(outline, size);
-        let cells = 0..grid.cells[0] * grid.cells[1];
-        let halves = |cell| near.leaves(outline, grid.corner(cell), grid.cell).len() - 1;
-        let leaves: usize = cells.map(halves).sum();
-        leaves as f64 * filled(outline) * taking_part(*sides)
-    };
-    outlines.par_iter().zip(sides).map(more).collect::<Vec<f64>>().iter().sum()
+/// What asks for patches that are smaller than elsewhere.
+struct Finer<'a> {
+    lamps: Lamps,
+    refinement: Option<&'a Refinement>,
+    /// How many times as long as the refinement asks for edges may be.
+    slack: f64,
 }
 
-/// About how many patches of edge `size` the lit sides give away from lamps.
+impl Finer<'_> {
+    /// What is asked of one outline in a mesh of patches of edge `size`.
+    fn on(&self, index: usize, outline: &Outline, sides: [bool; 2], size: f64) -> Grading<'_> {
+        let wishes = self.refinement.map(|r| r.wishes(index, outline, self.slack * size)).unwrap_or_default();
+        self.lamps.grading(outline, sides, size, wishes)
+    }
+
+    /// How many patches more than [`estimate`] says the lit sides have by that.
+    fn estimate(&self, outlines: &[Outline], sides: &[[bool; 2]], size: f64) -> f64 {
+        let more = |(index, outline): (usize, &Outline)| {
+            let grading = self.on(index, outline, sides[index], size);
+            if grading.is_empty() {
+                return 0.0;
+            }
+            let grid = Grid::new(outline, size);
+            let cells = 0..grid.cells[0] * grid.cells[1];
+            let halves = |cell| grading.leaves(outline, grid.corner(cell), grid.cell).len() - 1;
+            let leaves: usize = cells.map(halves).sum();
+            leaves as f64 * filled(outline) * taking_part(sides[index])
+        };
+        outlines.par_iter().enumerate().map(more).collect::<Vec<f64>>().iter().sum()
+    }
+}
+
+/// About how many patches of edge `size` the lit sides give where nothing asks for smaller ones.
 fn estimate(outlines: &[Outline], sides: &[[bool; 2]], size: f64) -> f64 {
     outlines
         .iter()
@@ -206,7 +234,7 @@ fn patch_size(
     target: PatchTarget,
     outlines: &[Outline],
     sides: &[[bool; 2]],
-    lamps: &Lamps,
+    finer: &mut Finer<'_>,
 ) -> Result<f64, MeshError> {
     let plain = |count: f64| {
         let (mut low, mut high) = (1e-6_f64, 10.0);
@@ -221,14 +249,20 @@ fn patch_size(
         }
         high * longest
     };
-    let for_count = |count: f64| {
-        // What lamps ask for comes out of the same number; the rest makes do with larger patches.
+    let mut for_count = |count: f64| loop {
+        // What is asked for in places comes out of the same number; the rest makes do with larger patches.
         let mut rest = count;
         for _ in 0..6 {
-            let more = estimate_beside(outlines, sides, lamps, plain(rest));
+            let more = finer.estimate(outlines, sides, plain(rest));
             rest = (0.5 * (rest + count - more)).max(0.25 * count);
         }
-        plain(rest)
+        let size = plain(rest);
+        let more = finer.estimate(outlines, sides, size);
+        if finer.refinement.is_none() || more <= MOST_ASKED * count || finer.slack > MOST_SLACK {
+            return size;
+        }
+        // Where surfaces are many and small, the rest cannot make do.
+        finer.slack *= (more / (MOST_ASKED * count)).sqrt().clamp(1.1, 4.0);
     };
     let size = match target {
         PatchTarget::Size(size) if !(size > 0.0 && size.is_finite()) => return Err(MeshError::Size(size)),
@@ -239,7 +273,7 @@ fn patch_size(
     };
     let mut patches = estimate(outlines, sides, size.max(f64::MIN_POSITIVE));
     if patches <= PATCH_LIMIT as f64 && target != PatchTarget::AsGiven {
-        patches += estimate_beside(outlines, sides, lamps, size);
+        patches += finer.estimate(outlines, sides, size);
     }
     if patches > PATCH_LIMIT as f64 {
         return Err(MeshError::TooMany { size, patches: patches as usize, limit: PATCH_LIMIT });

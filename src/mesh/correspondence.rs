@@ -52,13 +52,12 @@ impl PatchMesh {
 
 #[cfg(test)]
 mod tests {
-    use crate::mesh::{Backs, MeshSettings, NO_PATCH, Patch, PatchMesh, PatchTarget, build};
+    use crate::mesh::{MeshSettings, NO_PATCH, Patch, PatchMesh, PatchTarget, build};
     use crate::scene::{self, SceneSource};
     use glam::DVec3;
 
     fn mesh(scene: &scene::Scene, count: usize) -> PatchMesh {
-        let settings =
-            MeshSettings { target: PatchTarget::Count(count), backs: Backs::default(), textures: true };
+        let settings = MeshSettings { target: PatchTarget::Count(count), ..MeshSettings::default() };
         build(scene, &settings).unwrap()
     }
 

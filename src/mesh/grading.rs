@@ -1,4 +1,4 @@
-//! Where patches are smaller than elsewhere: beside lamps.
+//! Where patches are smaller than elsewhere: beside lamps, and where a picture was found to be wrong.
 //!
 //! At distance d from a lamp its light H changes over lengths of about d, so that across a cell of edge e
 //! it differs by about H e / d from the cell's mean. Where a lamp stands a hand's breadth from a wall that
@@ -6,11 +6,12 @@
 //! are halved until none of them adds more than a set share to the squares of the error.
 
 use super::pieces::{Cut, Grid};
+use super::refinement::Wishes;
 use super::regions::Outline;
 use crate::geometry::{Aabb, polygon};
 use crate::scene::Scene;
 use glam::{DVec2, DVec3};
-use std::f64::consts::PI;
+use std::f64::consts::{PI, SQRT_2};
 
 /// A cell of edge e is halved where H e / d times e, the root of what it adds to the squares, exceeds so
 /// many times what a cell of the usual size adds in the mean light where that changes over the root of the
@@ -45,13 +46,14 @@ pub(super) struct Lamps {
     contact: f64,
 }
 
-/// The lamps beside a region.
-pub(super) struct Beside<'a> {
+/// What asks for smaller cells on a region: lamps beside it, and wishes.
+pub(super) struct Grading<'a> {
     faces: Vec<&'a LampFace>,
     /// The root of what a cell may add to the squares, over the mean irradiance, m².
     most: f64,
     /// Edge below which no cell gets, metres.
     shortest: f64,
+    wishes: Wishes,
 }
 
 /// A part of a grid cell, in plane coordinates.
@@ -96,18 +98,27 @@ impl Lamps {
         Self { faces, area, contact: 1e-6 * scene_size }
     }
 
-    /// Those that ask for smaller patches on a region in a mesh of patches of edge `size`: close to it, and
-    /// shining on one of its `sides` (front, back) that take part. None for a region that shines itself.
-    pub(super) fn beside(&self, outline: &Outline, sides: [bool; 2], size: f64) -> Beside<'_> {
+    /// What asks for smaller patches on a region in a mesh of patches of edge `size`: lamps close to it that
+    /// shine on one of its `sides` (front, back) that take part, and `wishes`. Nothing on a region that shines
+    /// itself.
+    pub(super) fn grading(
+        &self,
+        outline: &Outline,
+        sides: [bool; 2],
+        size: f64,
+        wishes: Wishes,
+    ) -> Grading<'_> {
         let scale = self.area.sqrt();
-        let mut beside = Beside {
+        let mut grading = Grading {
             faces: Vec::new(),
             most: UNEVEN * size * size / scale.max(f64::MIN_POSITIVE),
             shortest: SHORTEST * size,
+            wishes: Wishes::default(),
         };
         if outline.luminaire.is_some() || !size.is_finite() {
-            return beside;
+            return grading;
         }
+        grading.wishes = wishes;
         // Beyond this no cell is halved even if all lamps were one; its middle may lie half a diagonal on.
         let near = outline.bounds.grown(scale / (PI * UNEVEN).cbrt() + size);
         let normal = outline.frame.normal;
@@ -120,8 +131,8 @@ impl Lamps {
             is_before && heights.any(|z| z > self.contact || face.both && z < -self.contact)
         };
         let faces = self.faces.iter().filter(|face| face.bounds.meets(&near) && shines_on(face));
-        beside.faces.extend(faces);
-        beside
+        grading.faces.extend(faces);
+        grading
     }
 }
 
@@ -155,14 +166,15 @@ impl LampFace {
     }
 }
 
-impl Beside<'_> {
+impl Grading<'_> {
     /// Whether there are none.
     pub(super) fn is_empty(&self) -> bool {
-        self.faces.is_empty()
+        self.faces.is_empty() && self.wishes.is_empty()
     }
 
     /// The parts into which the cell at `min` is halved.
     pub(super) fn leaves(&self, outline: &Outline, min: DVec2, extent: DVec2) -> Vec<Leaf> {
+        let wishes = self.wishes.within(min, min + extent);
         let mut pending = vec![Leaf { min, extent, path: 0 }];
         let mut found = Vec::new();
         while let Some(leaf) = pending.pop() {
@@ -170,7 +182,10 @@ impl Beside<'_> {
             let blur = 0.125 * leaf.extent.length();
             let gradient: f64 = self.faces.iter().map(|lamp| lamp.gradient(middle, blur)).sum();
             let adds = gradient * leaf.extent.max_element();
-            let is_halved = |edge: f64| adds * edge > self.most && 0.5 * edge >= 0.999 * self.shortest;
+            let wished = wishes.edge(leaf.min, leaf.min + leaf.extent);
+            let is_halved = |edge: f64| {
+                (adds * edge > self.most || edge > SQRT_2 * wished) && 0.5 * edge >= 0.999 * self.shortest
+            };
             let [across, up] = [is_halved(leaf.extent.x), is_halved(leaf.extent.y)];
             if !across && !up {
                 found.push(leaf);

@@ -3,7 +3,8 @@
 //! Coplanar neighbours of one object and material are joined into a [`Region`], the unit of
 //! occlusion. A region carries a grid; every cell of it, clipped to the region's outline, makes one
 //! [`Piece`] or several, and pieces are grouped into [`Patch`]es, at most one a side. Beside lamps cells
-//! are halved until none of them is too large for the light that falls on it.
+//! are halved until none of them is too large for the light that falls on it, and so they are where a
+//! [`Refinement`] asks for it.
 
 mod build;
 mod checkup;
@@ -13,6 +14,7 @@ mod neighbours;
 mod patches;
 mod pieces;
 mod reach;
+mod refinement;
 mod regions;
 mod types;
 
@@ -20,4 +22,5 @@ pub use build::{Backs, MeshError, MeshSettings, PatchTarget, build};
 pub use checkup::checkup;
 pub use neighbours::Contact;
 pub(crate) use reach::cosine_direction;
+pub use refinement::Refinement;
 pub use types::{MeshStatistics, NO_PATCH, Patch, PatchMesh, Piece, PieceCorner, Region, Side};

@@ -1,6 +1,6 @@
 //! Regions cut into pieces along their grid and along the lines where other surfaces stand on them.
 
-use super::grading::Beside;
+use super::grading::Grading;
 use super::regions::{Outline, Welder};
 use super::types::{PatchMesh, Piece, PieceCorner, Region};
 use crate::geometry::{Aabb, polygon};
@@ -12,7 +12,7 @@ use std::collections::HashMap;
 pub(super) struct Cut {
     pub(super) part: usize,
     pub(super) cell: u32,
-    /// Which part of a cell that is halved beside a lamp; zero in a whole one.
+    /// Which part of a cell that is halved; zero in a whole one.
     pub(super) leaf: u32,
     /// Edge lengths of the cell or of that part of it.
     pub(super) extent: DVec2,
@@ -45,8 +45,13 @@ impl Grid {
     }
 }
 
-/// Cuts every part of the region along the grid, finer beside `lamps`, and along the contact lines.
-pub(super) fn cut(outline: &Outline, grid: &Grid, contacts: &[[DVec2; 2]], lamps: &Beside<'_>) -> Vec<Cut> {
+/// Cuts every part of the region along the grid, finer where `grading` asks for it, and along the contact lines.
+pub(super) fn cut(
+    outline: &Outline,
+    grid: &Grid,
+    contacts: &[[DVec2; 2]],
+    grading: &Grading<'_>,
+) -> Vec<Cut> {
     let mut cuts = Vec::new();
     let mut strip = Vec::new();
     let (mut a, mut b) = (Vec::new(), Vec::new());
@@ -87,7 +92,7 @@ pub(super) fn cut(outline: &Outline, grid: &Grid, contacts: &[[DVec2; 2]], lamps
         }
     }
     cuts.sort_by_key(|c| c.cell);
-    cuts = lamps.halve(cuts, outline, grid);
+    cuts = grading.halve(cuts, outline, grid);
     if !contacts.is_empty() {
         cuts = split_at_contacts(cuts, grid, contacts);
     }

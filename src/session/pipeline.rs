@@ -4,7 +4,7 @@ use super::arriving::Arriving;
 use super::effect_costs;
 use crate::effects::{self, Effect, EffectChoices, EffectPlan};
 use crate::form_factors::{AssembleReport, FormFactors, Method, ReceivingPoints, Row, RowComputer, Sampling};
-use crate::mesh::{self, MeshSettings, PatchMesh, PatchTarget};
+use crate::mesh::{self, MeshSettings, PatchMesh, PatchTarget, Refinement};
 use crate::scene::{Lighting, Scene};
 use crate::solver::{GaussSeidel, LightBases, PatchLight, SweepReport, System};
 use glam::DVec3;
@@ -18,6 +18,8 @@ use std::time::{Duration, Instant};
 pub struct SolveSettings {
     /// How finely surfaces are split.
     pub patches: PatchTarget,
+    /// Where they are split more finely than elsewhere, besides beside lamps.
+    pub refinement: Option<Arc<Refinement>>,
     /// How form factors are computed.
     pub method: Method,
     /// Half-planes, cells along an edge or rays a row; `None` takes the method's default.
@@ -34,6 +36,7 @@ impl Default for SolveSettings {
     fn default() -> Self {
         Self {
             patches: PatchTarget::default(),
+            refinement: None,
             method: Method::default(),
             resolution: None,
             points: ReceivingPoints::default(),
@@ -257,6 +260,7 @@ pub fn prepare(scene: Arc<Scene>, settings: &SolveSettings) -> Result<Prepared, 
         target: settings.patches,
         backs: effects::backs(&settings.effects),
         textures: !settings.effects.without.contains(&Effect::Textures),
+        refinement: settings.refinement.clone(),
     };
     let mesh = Arc::new(mesh::build(&scene, &mesh_settings)?);
     timings.mesh = clock.elapsed().as_secs_f64();

@@ -28,7 +28,8 @@ impl Recompute {
         let (old, new) = (&state.settings, &wanted.settings);
         let scene = state.opened != wanted.opened || state.scene.is_none();
         let method = old.sampling() != new.sampling() || old.effects != new.effects;
-        let mesh = scene || method || state.prepared.is_none() || old.patches != new.patches;
+        let split = old.patches != new.patches || old.refinement != new.refinement;
+        let mesh = scene || method || state.prepared.is_none() || split;
         Self { scene, mesh, method, ..Self::default() }
     }
 

@@ -364,6 +364,11 @@ impl Worker<'_> {
             return Err(Failure::Refused(stage));
         }
         self.settled = None;
+        if todo.scene && wanted.source != self.state.source {
+            // It was found in another scene, and its mesh had nothing to do with it.
+            wanted.settings.refinement = None;
+            locked(&self.shared.wanted).settings.refinement = None;
+        }
         (self.state.source, self.state.opened) = (wanted.source, wanted.opened);
         self.snapshot.settings.clone_from(&wanted.settings);
         self.state.settings = wanted.settings;

@@ -213,7 +213,7 @@ impl CostModel {
         let order = |a: &&Measured, b: &&Measured| a.fineness.patches.total_cmp(&b.fineness.patches);
         let (coarse, fine) = (audited().min_by(order)?, audited().max_by(order)?);
         let ratio = fine.fineness.patches / coarse.fineness.patches;
-        (ratio >= APART).then(|| ((coarse.mesh / fine.mesh).ln() / ratio.ln()).clamp(0.45, 1.0))
+        (ratio >= APART).then(|| ((coarse.mesh / fine.mesh).ln() / ratio.ln()).clamp(0.45, 1.5))
     }
 
     /// The cheapest fineness whose error stays below `error`, within `gigabytes` and above the patches

@@ -1,12 +1,14 @@
-//! Solving to an error or within a time that the user names.
+//! Solving to an error or within a time that the user names: each solve has smaller patches where the check
+//! of the one before found the picture wrong.
 
 use super::audited::audit;
 use super::cost::{CostModel, Fineness, Limits, Measured};
+use super::refine::refined;
 use super::trial::{row_overhead, trial};
 use crate::accuracy::{AuditSettings, ErrorBudget};
 use crate::effects::EffectChoices;
 use crate::form_factors::{AssembleReport, FormFactors, Method, ReceivingPoints};
-use crate::mesh::PatchTarget;
+use crate::mesh::{PatchTarget, Refinement};
 use crate::scene::{Lighting, Scene};
 use crate::session::{
     Control, PipelineError, Progress, Run, SolveSettings, Solved, Stage, patch_reflectance, prepare, system,
@@ -87,6 +89,8 @@ const TIME_AIM: f64 = 0.7;
 const GAIN: f64 = 0.8;
 /// Noise that the shares of area may have of rays in these audits, which a user waits for.
 const QUICK_NOISE: f64 = 0.02;
+/// Where no mesh in memory promises the error, one more solve of so many seconds is made.
+const CONSOLATION: f64 = 60.0;
 /// Patches never exceed this.
 const MOST_PATCHES: f64 = 400_000.0;
 
@@ -117,12 +121,13 @@ pub fn reach(
     let mut best: Option<(Solved, SolveSettings, Option<ErrorBudget>)> = None;
     let mut limits = Limits { fewest: 1.0, most: MOST_PATCHES, gigabytes: memory };
     let mut next = Fineness { patches: FIRST.0 as f64, lines: f64::from(FIRST.1) };
+    let mut refinement: Option<Arc<Refinement>> = None;
     // By how much smaller the next solve is to be than the time would allow.
     let mut share = 1.0;
     let mut obstacle = None;
 
     while attempts.len() < MOST_SOLVES {
-        let settings = settings_of(next, goal, effects);
+        let settings = settings_of(next, goal, effects, refinement.clone());
         let clock = Instant::now();
         let foreseen = model.seconds(next);
         let foreseen_error = model.error(next);
@@ -187,7 +192,11 @@ pub fn reach(
                 ..AuditSettings::default()
             },
         };
-        let budget = audit(&solved, lighting, &audit_settings, &|| false).map(|found| found.budget);
+        let found = audit(&solved, lighting, &audit_settings, &|| false);
+        let budget = found.as_ref().map(|found| found.budget);
+        if let Some(found) = found {
+            refinement = Some(Arc::new(refined(&solved.mesh, &found.map, refinement.as_deref())));
+        }
         attempts.push(Attempt {
             patches: solved.mesh.patches.len(),
             lines,
@@ -222,6 +231,12 @@ pub fn reach(
                 let aim = AIM[usize::from(model.knows_its_power())];
                 match model.cheapest(aim * error * shortfall, limits) {
                     Some(fineness) if is_finer_than_last(&model, fineness) => next = model.towards(fineness),
+                    // Out of reach; once more, then, for what can be had in a moderate time.
+                    _ if obstacle.is_none() => {
+                        obstacle = Some(too_fine(&model, limits));
+                        let Some(fineness) = better_within(&model, CONSOLATION, limits) else { break };
+                        next = fineness;
+                    }
                     _ => {
                         obstacle = Some(too_fine(&model, limits));
                         break;
@@ -272,7 +287,14 @@ fn too_fine(model: &CostModel, limits: Limits) -> String {
 }
 
 /// Settings of a solve of this fineness on the way to a goal: the sweeps add nothing to its error that counts.
-pub fn settings_of(fineness: Fineness, goal: Goal, effects: &EffectChoices) -> SolveSettings {
+///
+/// `refinement` says where patches are to be smaller than elsewhere.
+pub fn settings_of(
+    fineness: Fineness,
+    goal: Goal,
+    effects: &EffectChoices,
+    refinement: Option<Arc<Refinement>>,
+) -> SolveSettings {
     let tolerance = match goal {
         // The bound is of the largest error of any patch; a fiftieth of the mean one is never felt.
         Goal::Error(error) => (0.02 * error).clamp(1e-7, 1e-2),
@@ -280,6 +302,7 @@ pub fn settings_of(fineness: Fineness, goal: Goal, effects: &EffectChoices) -> S
     };
     SolveSettings {
         patches: PatchTarget::Count(fineness.patches as usize),
+        refinement,
         method: Method::Lines,
         resolution: Some(fineness.lines as u32),
         points: ReceivingPoints::Auto,

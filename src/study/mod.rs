@@ -7,6 +7,7 @@ mod audited;
 mod chart;
 mod cost;
 mod goal;
+mod refine;
 mod sweep;
 pub mod table;
 mod trial;
@@ -15,6 +16,7 @@ pub use audited::{audit, shown};
 pub use chart::chart;
 pub use cost::{CostModel, Fineness, Limits, Measured};
 pub use goal::{Attempt, Goal, News, Reached, reach, settings_of};
+pub use refine::refined;
 pub use sweep::{Entry, entries, foreseen, measure, pareto};
 pub use trial::{Trial, row_overhead, trial};
 

@@ -4,7 +4,7 @@ use super::runs::{Finished, Runs};
 use crate::accuracy::{AuditSettings, ErrorBudget, Findings};
 use crate::display::NO_VALUE;
 use crate::form_factors::Method;
-use crate::mesh::PatchMesh;
+use crate::mesh::{PatchMesh, Refinement};
 use crate::scene::{LUMINOUS_EFFICACY, Lighting, Scene};
 use crate::session::{Snapshot, SolveSettings, Solved, Stage};
 use crate::solver::{LightBases, PatchLight};
@@ -36,6 +36,8 @@ pub(super) enum Ask {
 /// What the background has found out about a solve.
 struct Checked {
     findings: Findings,
+    /// Where the next solve towards a goal is to have smaller patches.
+    refinement: Refinement,
     /// What a row costs besides its lines, as lines, where rows are computed by lines.
     overhead: Option<f64>,
 }
@@ -75,6 +77,8 @@ pub(super) struct Auditor {
     pub(super) verdict: String,
     model: CostModel,
     limits: Limits,
+    /// Where the last check would have patches smaller.
+    refinement: Option<Arc<Refinement>>,
     scene: Weak<Scene>,
     /// What was audited last, or is being audited.
     seen: Option<(Arc<LightBases>, Lighting)>,
@@ -98,6 +102,7 @@ impl Default for Auditor {
             verdict: String::new(),
             model: CostModel::default(),
             limits: Limits { fewest: 1.0, most: 400_000.0, gigabytes: 4.0 },
+            refinement: None,
             scene: Weak::new(),
             seen: None,
             standing: None,
@@ -226,13 +231,15 @@ impl Auditor {
         let stop = cancel.clone();
         let of = (solved.bases.clone(), lighting.clone());
         let resolve = if let Goal::Error(error) = self.goal { 0.2 * error } else { 1e-3 };
+        let before = settings.refinement.clone();
         let audit = move || {
             let settings =
                 AuditSettings { seconds: AUDIT_SECS, resolve, parallel: false, ..AuditSettings::default() };
             let found = study::audit(&solved, &lighting, &settings, &|| stop.load(Ordering::Relaxed));
             let checked = found.map(|findings| {
                 let overhead = lines.map(|lines| study::row_overhead(&solved, lines));
-                Checked { findings, overhead }
+                let refinement = study::refined(&solved.mesh, &findings.map, before.as_deref());
+                Checked { findings, refinement, overhead }
             });
             // Nobody listens any more when the light has changed.
             sender.send(checked).ok();
@@ -252,15 +259,16 @@ impl Auditor {
         };
         self.job = None;
         self.is_dark = answer.is_none();
-        let (findings, overhead) = answer.map(|a| (a.findings, a.overhead)).unzip();
-        self.findings = findings.map(Arc::new);
+        let overhead = answer.as_ref().and_then(|a| a.overhead);
+        let (findings, refinement) = answer.map(|a| (a.findings, a.refinement)).unzip();
+        (self.findings, self.refinement) = (findings.map(Arc::new), refinement.map(Arc::new));
         self.budget = self.findings.as_ref().map(|found| found.budget);
         let budget = self.budget?;
         self.runs.checked(budget);
         let solved = snapshot.solved()?;
         let settings = &snapshot.settings;
         let known = self.model.measured().last().map(|m| m.overhead);
-        if let (Some(lines), Some(overhead)) = (lines_of(settings), overhead.flatten().or(known)) {
+        if let (Some(lines), Some(overhead)) = (lines_of(settings), overhead.or(known)) {
             self.model.learn(Measured::of(&solved, lines, overhead, Some(&budget)));
             self.draw_curve();
         }
@@ -294,7 +302,7 @@ impl Auditor {
             };
             return None;
         };
-        let settings = study::settings_of(fineness, self.goal, &now.effects);
+        let settings = study::settings_of(fineness, self.goal, &now.effects, self.refinement.clone());
         if settings == *now {
             self.steps = None;
             "This is the best choice already".clone_into(&mut self.verdict);
@@ -486,7 +494,8 @@ mod tests {
         let bases = snapshot.bases.clone().unwrap();
         let (sender, answer) = channel();
         let findings = Findings { budget: budget(0.001, 0.002), ..Findings::default() };
-        sender.send(Some(Checked { findings, overhead: None })).unwrap();
+        let refinement = Refinement::default();
+        sender.send(Some(Checked { findings, refinement, overhead: None })).unwrap();
         auditor.seen = Some((bases.clone(), lighting.clone()));
         auditor.steps = Some(0);
         auditor.job = Some(Job { bases, lighting: lighting.clone(), cancel: Arc::default(), answer });

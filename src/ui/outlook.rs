@@ -68,7 +68,12 @@ o room\nf 4 3 2 1\nf 5 6 7 8\nf 1 2 6 5\nf 2 3 7 6\nf 3 4 8 7\nf 4 1 5 8\no plat
         let path = folder.path().join("room.obj");
         std::fs::write(&path, obj).expect("written");
         let scene = load(&SceneSource::File(path)).expect("a scene");
-        let settings = MeshSettings { target: PatchTarget::Size(0.4), backs: Backs::All, textures: false };
+        let settings = MeshSettings {
+            target: PatchTarget::Size(0.4),
+            backs: Backs::All,
+            textures: false,
+            ..MeshSettings::default()
+        };
         build(&scene, &settings).expect("a mesh")
     }
 

@@ -151,7 +151,7 @@ fn the_laws_hold_with_a_lamp_a_hand_from_the_wall() {
     m.block("sconce", "glow", dvec3(1.9, 1.4, 0.05), dvec3(2.0, 1.5, 0.15));
     hold_model("a sconce", &m, Kind::Closed);
     let settings = lines(PatchTarget::Size(0.2));
-    let made = crate::common::assembled(&m.scene(), &settings);
+    let made = assembled(&m.scene(), &settings);
     let small = made.patches().iter().filter(|p| p.luminaire.is_none() && p.area < 0.01).count();
     assert!(small > 30, "{small} small patches beside the lamp");
 }

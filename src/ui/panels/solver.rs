@@ -230,13 +230,15 @@ fn settings(ui: &mut egui::Ui, now: &SolveSettings, out: &mut Commands) {
         PatchTarget::Count(n) => format!("about {}", units::count(n)),
         PatchTarget::AsGiven => "One a polygon".to_owned(),
     };
+    let text = if now.refinement.is_some() { format!("{text}, finer where wrong") } else { text };
     combo(ui, "Patches", &text, |ui| {
         let auto = (PatchTarget::Auto, "As the scene asks".to_owned());
         let given = (PatchTarget::AsGiven, "One a polygon".to_owned());
         let counts = COUNTS.map(|n| (PatchTarget::Count(n), format!("about {}", units::count(n))));
         for (target, label) in [auto, given].into_iter().chain(counts) {
-            if ui.selectable_label(now.patches == target, label).clicked() {
-                new.patches = target;
+            let is_chosen = now.patches == target && now.refinement.is_none();
+            if ui.selectable_label(is_chosen, label).clicked() {
+                (new.patches, new.refinement) = (target, None);
             }
         }
     });
