@@ -19,6 +19,8 @@ const SETTLED_SECS: f64 = 0.6;
 const AUDIT_SECS: f64 = 8.0;
 /// Solves that are made to come nearer to a goal before it is given up.
 const MOST_STEPS: u32 = 5;
+/// Where no mesh in memory promises the error, one solve of so many seconds is made all the same.
+const CONSOLATION_SECS: f64 = 60.0;
 /// Points of the predicted curve.
 const CURVE: usize = 24;
 
@@ -289,7 +291,10 @@ impl Auditor {
         }
         let wanted = match self.goal {
             Goal::Error(error) => {
-                self.model.cheapest(0.85 * error, self.limits).map(|f| self.model.towards(f))
+                let promised = self.model.cheapest(0.85 * error, self.limits).map(|f| self.model.towards(f));
+                // Out of reach; once, then, for what can be had in a moderate time.
+                promised
+                    .or_else(|| self.model.best_within(CONSOLATION_SECS, self.limits).filter(|_| steps == 0))
             }
             Goal::Seconds(seconds) => self.model.best_within(0.8 * seconds, self.limits),
         };
@@ -448,6 +453,15 @@ mod tests {
         assert!(patches > 1000);
         assert_eq!(auditor.step(&budget(0.002, 0.005), &first), None);
         assert!(!auditor.is_reaching() && auditor.verdict.starts_with("Reached"), "{}", auditor.verdict);
+    }
+
+    #[test]
+    fn what_is_out_of_reach_is_tried_once() {
+        let mut auditor = auditor(0.3, 0.8);
+        let first = auditor.reach(&SolveSettings::default()).unwrap();
+        assert!(auditor.is_reaching());
+        assert_eq!(auditor.step(&budget(0.2, 0.4), &first), None);
+        assert!(!auditor.is_reaching() && auditor.verdict.starts_with("Out of reach"), "{}", auditor.verdict);
     }
 
     #[test]

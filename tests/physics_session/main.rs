@@ -6,7 +6,7 @@ mod watched;
 
 use common::{builtin, room_with_blocks, solved};
 use lumenwalk::form_factors::Method;
-use lumenwalk::mesh::PatchTarget;
+use lumenwalk::mesh::{PatchTarget, Refinement};
 use lumenwalk::scene::SceneSource;
 use lumenwalk::session::{MaterialEdit, Session, Snapshot, SolveSettings, Stage};
 use std::path::Path;
@@ -434,6 +434,29 @@ fn refused_settings_are_wanted_no_more() {
     let end = watched.converged(&refused);
     assert_eq!((&end.settings, &end.error), (&by_hemicube, &None));
     assert_eq!(recomputed(&end).0, end.rows.1, "{}", end.last_change);
+}
+
+#[test]
+fn a_refinement_makes_a_new_mesh_and_leaves_with_its_scene() {
+    let watched = Watched::coarse();
+    let first = watched.open_builtin("hemicube");
+    let mesh = first.mesh.as_ref().unwrap();
+    let cut = |index: usize| if index.is_multiple_of(7) { 4.0 } else { 1.0 };
+    let parts: Vec<f64> = (0..mesh.patches.len()).map(cut).collect();
+    let refinement = Some(Arc::new(Refinement::of(mesh, &parts, None)));
+    let size = PatchTarget::Size(mesh.statistics.patch_size);
+    watched.session.set_settings(SolveSettings {
+        patches: size,
+        refinement: refinement.clone(),
+        ..coarse(300)
+    });
+    let finer = watched.converged(&first);
+    assert!(finer.rows.1 > first.rows.1 + 50, "{} rows after {}", finer.rows.1, first.rows.1);
+    // Read again it is the same scene.
+    let again = watched.open_builtin("hemicube");
+    assert_eq!((again.rows.1, &again.settings.refinement), (finer.rows.1, &refinement));
+    let other = watched.open_builtin("cornell");
+    assert_eq!((&other.settings.refinement, &watched.session.settings().refinement), (&None, &None));
 }
 
 #[test]

@@ -8,6 +8,7 @@ use egui_kittest::kittest::Queryable as _;
 use lumenwalk::scene::illuminance;
 use lumenwalk::session::Stage;
 use lumenwalk::ui::{App, Motion, Quantity, ShadingMode};
+use std::sync::Arc;
 
 /// Scrolls a panel until this is in view.
 fn reveal(harness: &mut Harness<'_, App>, name: &str) {
@@ -257,6 +258,18 @@ fn method_and_patches_ask_for_another_solve() {
 }
 
 #[test]
+fn a_mesh_that_is_finer_in_places_can_be_made_even_again() {
+    let worker = Counting::showing(solved());
+    worker.publish(|s| s.settings.refinement = Some(Arc::default()));
+    let mut harness = window(&worker, false);
+    click(&mut harness, "Method and quality");
+    harness.run_steps(20);
+    click(&mut harness, "Finer where the picture was wrong");
+    assert_eq!(worker.requests(), ["settings Lines Count(700)"]);
+    assert!(harness.query_by_label("Finer where the picture was wrong").is_none());
+}
+
+#[test]
 fn a_reflectance_asks_the_solver_once_per_change_and_showing_it_never() {
     let worker = Counting::showing(solved());
     let mut harness = window(&worker, false);
@@ -404,7 +417,7 @@ fn what_the_worker_said_once_gives_way_to_what_is_switched() {
     assert!(harness.query_by_label_contains("materials: 0 rows").is_some());
     press(&mut harness, Key::Num1);
     // More light of the same solve comes: it says nothing new.
-    worker.publish(|s| s.bases = s.bases.as_deref().cloned().map(std::sync::Arc::new));
+    worker.publish(|s| s.bases = s.bases.as_deref().cloned().map(Arc::new));
     harness.run_steps(3);
     assert!(harness.query_by_label_contains("Ceiling lamp off").is_some());
     assert!(harness.query_by_label_contains("materials: 0 rows").is_none());

@@ -230,18 +230,24 @@ fn settings(ui: &mut egui::Ui, now: &SolveSettings, out: &mut Commands) {
         PatchTarget::Count(n) => format!("about {}", units::count(n)),
         PatchTarget::AsGiven => "One a polygon".to_owned(),
     };
-    let text = if now.refinement.is_some() { format!("{text}, finer where wrong") } else { text };
     combo(ui, "Patches", &text, |ui| {
         let auto = (PatchTarget::Auto, "As the scene asks".to_owned());
         let given = (PatchTarget::AsGiven, "One a polygon".to_owned());
         let counts = COUNTS.map(|n| (PatchTarget::Count(n), format!("about {}", units::count(n))));
         for (target, label) in [auto, given].into_iter().chain(counts) {
-            let is_chosen = now.patches == target && now.refinement.is_none();
-            if ui.selectable_label(is_chosen, label).clicked() {
-                (new.patches, new.refinement) = (target, None);
+            if ui.selectable_label(now.patches == target, label).clicked() {
+                new.patches = target;
             }
         }
     });
+    if now.refinement.is_some() {
+        let tip =
+            "Smaller patches where checks on the way to a goal found errors; unticked all are alike again";
+        let ticked = ui.checkbox(&mut true, "Finer where the picture was wrong").on_hover_text(tip);
+        if ticked.clicked() {
+            new.refinement = None;
+        }
+    }
     combo(ui, "Tolerance", &format!("{:.0e}", now.tolerance), |ui| {
         for tolerance in [1e-2, 1e-3, 1e-4, 1e-5, 1e-6] {
             if ui.selectable_label(now.tolerance == tolerance, format!("{tolerance:.0e}")).clicked() {
