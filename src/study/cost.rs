@@ -71,10 +71,11 @@ const BYTES: f64 = 17.0;
 /// are beyond.
 const ALL_PARTS: f64 = 2048.0;
 const PARTS: f64 = 1200.0;
-/// Powers by which errors fall.
+/// Powers by which errors fall. That of the mesh is of solves whose patches go where the check of the one
+/// before found errors: 0.82 and 0.87 in two scenes from the first step to the second; equal patches have 0.6.
 const BY_LINES: f64 = 1.1;
 const FORM_FACTORS_BY_PATCHES: f64 = 0.35;
-const MESH_BY_PATCHES: f64 = 0.6;
+const MESH_BY_PATCHES: f64 = 0.75;
 /// The power is fitted to solves whose patches differ by this factor.
 const APART: f64 = 2.5;
 /// More patches than this times those measured are far: on the way there lies a step, apart enough.
@@ -285,7 +286,7 @@ mod tests {
     fn choices_meet_the_target_and_none_cheaper_does() {
         let mut model = CostModel::default();
         assert!(model.cheapest(0.01, LIMITS).is_none());
-        model.learn(Measured::example(1000.0, 64.0, [0.02, 0.05]));
+        model.learn(Measured::example(1000.0, 64.0, [0.04, 0.05]));
         let found = model.cheapest(0.02, LIMITS).unwrap();
         assert!(model.error(found).unwrap() <= 0.02);
         assert!(found.patches > 1000.0 && found.lines > 64.0, "both errors are too large: {found:?}");
