@@ -28,8 +28,8 @@ struct Asked {
 struct Place {
     min: DVec2,
     max: DVec2,
-    /// Longest edge over the patch size.
-    share: f64,
+    /// Longest edge: in a [`Refinement`] over the patch size, in [`Wishes`] in metres.
+    edge: f64,
 }
 
 /// What is asked of the cells of one region, longest edges in metres.
@@ -61,24 +61,19 @@ impl Refinement {
         for (patch, &parts) in mesh.patches.iter().zip(parts) {
             if parts >= WORTH && size.is_finite() {
                 let (min, max) = extent(mesh, patch);
-                // Long ones are cut across first: what counts is the edge that the parts are to have.
-                let share = (patch.area / parts).sqrt() / size;
-                asked[patch.region as usize].places.push(Place { min, max, share });
+                // Of square parts: long patches are cut across first.
+                let edge = (patch.area / parts).sqrt() / size;
+                asked[patch.region as usize].places.push(Place { min, max, edge });
             }
         }
         Self { regions: asked }
-    }
-
-    /// Whether nothing is asked for.
-    pub fn is_empty(&self) -> bool {
-        self.regions.iter().all(|r| r.places.is_empty())
     }
 
     /// What is asked of an outline, in a mesh of patches of edge `size`.
     pub(super) fn wishes(&self, index: usize, outline: &Outline, size: f64) -> Wishes {
         let same = |asked: &&Asked| asked.area == outline.area && asked.min == outline.min;
         let places = self.regions.get(index).filter(same).map(|asked| asked.places.as_slice());
-        let of_size = |place: &Place| Place { share: place.share * size, ..*place };
+        let of_size = |place: &Place| Place { edge: place.edge * size, ..*place };
         Wishes { places: places.unwrap_or_default().iter().map(of_size).collect() }
     }
 }
@@ -103,7 +98,7 @@ impl Wishes {
             common.min_element() > 0.0
                 && area(common) > 0.3 * area(max - min).min(area(place.max - place.min))
         };
-        self.places.iter().filter(counts).map(|place| place.share).fold(f64::INFINITY, f64::min)
+        self.places.iter().filter(counts).map(|place| place.edge).fold(f64::INFINITY, f64::min)
     }
 }
 
@@ -116,7 +111,8 @@ impl Place {
 
 /// The patch size of a mesh, or what comes to the same where that is larger than most surfaces, metres.
 fn typical_edge(mesh: &PatchMesh) -> f64 {
-    /// A patch size over the root of the mean area: most meshes have 1.1 to 1.5.
+    /// A patch size over the root of the mean area, at most. Chosen, not measured: it only has to keep the
+    /// patch size of a mesh of small surfaces, which may be the scene's tenfold, from counting.
     const OVER_MEAN: f64 = 1.5;
     let statistics = &mesh.statistics;
     statistics.patch_size.min(OVER_MEAN * (statistics.area / statistics.patches.max(1) as f64).sqrt())

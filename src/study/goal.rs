@@ -90,7 +90,7 @@ const GAIN: f64 = 0.8;
 /// Noise that the shares of area may have of rays in these audits, which a user waits for.
 const QUICK_NOISE: f64 = 0.02;
 /// Where no mesh in memory promises the error, one more solve of so many seconds is made.
-const CONSOLATION: f64 = 60.0;
+pub const CONSOLATION: f64 = 60.0;
 /// Patches never exceed this.
 const MOST_PATCHES: f64 = 400_000.0;
 

@@ -19,8 +19,6 @@ const SETTLED_SECS: f64 = 0.6;
 const AUDIT_SECS: f64 = 8.0;
 /// Solves that are made to come nearer to a goal before it is given up.
 const MOST_STEPS: u32 = 5;
-/// Where no mesh in memory promises the error, one solve of so many seconds is made all the same.
-const CONSOLATION_SECS: f64 = 60.0;
 /// Points of the predicted curve.
 const CURVE: usize = 24;
 
@@ -293,8 +291,9 @@ impl Auditor {
             Goal::Error(error) => {
                 let promised = self.model.cheapest(0.85 * error, self.limits).map(|f| self.model.towards(f));
                 // Out of reach; once, then, for what can be had in a moderate time.
-                promised
-                    .or_else(|| self.model.best_within(CONSOLATION_SECS, self.limits).filter(|_| steps == 0))
+                promised.or_else(|| {
+                    self.model.best_within(study::CONSOLATION, self.limits).filter(|_| steps == 0)
+                })
             }
             Goal::Seconds(seconds) => self.model.best_within(0.8 * seconds, self.limits),
         };
