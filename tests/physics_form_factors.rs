@@ -26,6 +26,37 @@ fn rectangle(at: DVec3, u: DVec3, v: DVec3) -> [DVec3; 4] {
 }
 
 #[test]
+fn what_hides_a_lamp_from_the_middle_of_a_patch_alone_does_not_hide_it_from_the_patch() {
+    const BLIND: f64 = 0.15;
+    let square = |half: f64, z: f64, down: bool| {
+        let (u, v) = if down { (DVec3::Y, DVec3::X) } else { (DVec3::X, DVec3::Y) };
+        rectangle(dvec3(-half, -half, z), u * 2.0 * half, v * 2.0 * half)
+    };
+    let mut m = Model::new();
+    m.grey("paint", 0.5).paint("glow", [0.5; 3], [1.0; 3]);
+    m.object("floor").polygon("paint", &square(0.5, 0.0, false));
+    m.object("blind").polygon("paint", &square(BLIND, 1.0, true));
+    m.object("lamp").polygon("glow", &square(0.05, 2.0, true));
+    let made = assembled(&m.one_sided(), &settings(PatchTarget::AsGiven, Method::Lines, 192));
+    let of = |z: f64| made.patches().iter().position(|p| (p.centre.z - z).abs() < 1e-9).expect("a patch");
+
+    // Midpoints of the floor and of the lamp, and where the way between them passes the blind.
+    let at = |k: i32, n: i32, half: f64| half * (f64::from(2 * k + 1) / f64::from(n) - 1.0);
+    let mut sum = 0.0;
+    for k in 0..40 * 40 {
+        let (x, y) = (at(k % 40, 40, 0.5), at(k / 40, 40, 0.5));
+        for q in 0..64 {
+            let (s, t) = (at(q % 8, 8, 0.05), at(q / 8, 8, 0.05));
+            let blocked = (0.5 * (x + s)).abs() < BLIND && (0.5 * (y + t)).abs() < BLIND;
+            let square = (x - s).powi(2) + (y - t).powi(2) + 4.0;
+            sum += if blocked { 0.0 } else { 4.0 / (std::f64::consts::PI * square * square) };
+        }
+    }
+    let expected = sum / f64::from(40 * 40 * 64) * 0.01;
+    close("from the floor to the lamp", made.form_factors.get(of(0.0), of(2.0)), expected, 0.1);
+}
+
+#[test]
 fn two_single_patches_exchange_what_the_closed_forms_say() {
     const X: DVec3 = DVec3::X;
     const Y: DVec3 = DVec3::Y;

@@ -139,6 +139,7 @@ impl RowComputer {
         for (index, patch) in mesh.patches.iter().enumerate() {
             let last = lamps.last().map(|l| &mesh.patches[l.patch as usize]);
             if patch.luminaire.is_some()
+                && !patch.buried
                 && last.is_none_or(|l| (l.region, l.side) != (patch.region, patch.side))
             {
                 lamps.push(Target::new(&mesh, index as u32));
@@ -282,7 +283,8 @@ impl RowComputer {
         scratch.row.take()
     }
 
-    /// Whether some lamp is seen in part from the centre, or from some corners and not from others.
+    /// Whether some lamp is seen in part from the centre, or from some of its centre and corners and not from
+    /// others.
     fn crosses_shadow(&self, patch: u32, scratch: &RowScratch) -> bool {
         let Sampler::Lines(..) = self.sampler else { return false };
         let p = &self.mesh.patches[patch as usize];
@@ -303,18 +305,17 @@ impl RowComputer {
         let shares: Vec<(f64, &Target, &Patch)> =
             lamps.map(|(target, lamp)| (share(lamp, p.centre), target, lamp)).collect();
         let largest = shares.iter().map(|s| s.0).fold(0.0, f64::max);
-        let corners: Vec<DVec3> = self
-            .mesh
-            .pieces_of(p)
-            .flat_map(|piece| self.mesh.corners_of(piece))
-            .map(|c| p.centre + (self.mesh.vertices[c.vertex as usize] - p.centre) * INSIDE)
+        let corners = self.mesh.pieces_of(p).flat_map(|piece| self.mesh.corners_of(piece));
+        // What stands in the middle of a patch may hide nothing from its corners.
+        let points: Vec<DVec3> = std::iter::once(p.centre)
+            .chain(corners.map(|c| p.centre + (self.mesh.vertices[c.vertex as usize] - p.centre) * INSIDE))
             .collect();
         shares.iter().filter(|s| s.0 > 0.1 * largest).any(|(_, target, lamp)| {
             let near = target.radius > POINT_LIKE * lamp.centre.distance(p.centre);
             let ends = if near { &target.ends[..] } else { &[] };
             let mut seen = std::iter::once(&lamp.centre)
                 .chain(ends)
-                .flat_map(|end| corners.iter().map(|&c| share(lamp, c) > 0.0 && self.rays.visible(c, *end)));
+                .flat_map(|end| points.iter().map(|&x| share(lamp, x) > 0.0 && self.rays.visible(x, *end)));
             let first = seen.next();
             seen.any(|s| Some(s) != first)
         })
