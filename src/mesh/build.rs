@@ -1,3 +1,4 @@
+use super::contacts::Edges;
 use super::grading::{Grading, Lamps};
 use super::patches;
 use super::pieces::{self, Cut, Grid};
@@ -114,7 +115,7 @@ pub fn build(scene: &Scene, settings: &MeshSettings) -> Result<PatchMesh, MeshEr
     };
     let patch_size = patch_size(scene, settings.target, &outlines, &sides, &mut finer)?;
     let mut mesh = PatchMesh { size, ..PatchMesh::default() };
-    let contacts = if as_given { Vec::new() } else { pieces::contacts(&outlines, patch_size, size) };
+    let edges = Edges::new(if as_given { &[] } else { &outlines }, size);
     for (index, outline) in outlines.iter().enumerate() {
         let groups = if as_given {
             pieces::append_as_given(&mut mesh, outline);
@@ -123,9 +124,14 @@ pub fn build(scene: &Scene, settings: &MeshSettings) -> Result<PatchMesh, MeshEr
         } else {
             let grid = Grid::new(outline, patch_size);
             let grading = finer.on(index, outline, sides[index], patch_size);
-            let cuts: Vec<Cut> = pieces::cut(outline, &grid, &contacts[index], &grading);
+            let mut contacts = edges.on(index, outline, grading.shortest(&grid));
+            let cuts: Vec<Cut> = pieces::cut(outline, &grid, &mut contacts, &grading);
             pieces::append(&mut mesh, outline, &grid, &cuts);
-            patches::group_by_cell(&mesh, mesh.regions[index].pieces.clone(), &grid, &cuts, &contacts[index])
+            let contacts: Vec<[glam::DVec2; 2]> = contacts.iter().map(|contact| contact.ends).collect();
+            let pieces = mesh.regions[index].pieces.clone();
+            let groups = patches::group_by_cell(&mesh, pieces, &grid, &cuts, &contacts);
+            mesh.contacts.push(contacts);
+            groups
         };
         // 3. One patch a group and lit side.
         for side in [Side::Front, Side::Back] {
@@ -143,18 +149,17 @@ pub fn build(scene: &Scene, settings: &MeshSettings) -> Result<PatchMesh, MeshEr
         region.dark = reached.map(|side| side == Reach::Dark);
     }
     if settings.backs == Backs::Reached {
-        let found = search.buried(&mesh.patches, |patch| patches::inner_points(&mesh, patch));
-        for (patch, buried) in mesh.patches.iter_mut().zip(found) {
+        let found = search.buried(&reached, &mesh.patches, |patch| patches::inner_points(&mesh, patch));
+        for (index, buried) in found.into_iter().enumerate() {
             match buried {
-                Some(Buried::Whole) => patch.buried = true,
-                Some(Buried::LitAt(point)) => patch.centre = point,
+                Some(Buried::Whole) => mesh.patches[index].buried = true,
+                Some(Buried::LitAt(point)) => patches::move_centre(&mut mesh, index, point),
                 None => {}
             }
         }
     }
     mesh.blockers = blockers(&outlines, size);
     mesh.statistics = statistics(&mesh, scene, &sides, dropped, patch_size);
-    mesh.contacts = contacts;
     Ok(mesh)
 }
 

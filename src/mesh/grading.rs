@@ -172,6 +172,12 @@ impl Grading<'_> {
         self.faces.is_empty() && self.wishes.is_empty()
     }
 
+    /// The shortest edge that a part of a cell may have, metres.
+    pub(super) fn shortest(&self, grid: &Grid) -> f64 {
+        let edge = grid.cell.min_element();
+        if self.is_empty() { edge } else { edge.min(self.shortest) }
+    }
+
     /// The parts into which the cell at `min` is halved.
     pub(super) fn leaves(&self, outline: &Outline, min: DVec2, extent: DVec2) -> Vec<Leaf> {
         let wishes = self.wishes.within(min, min + extent);

@@ -8,6 +8,7 @@
 
 mod build;
 mod checkup;
+mod contacts;
 mod correspondence;
 mod grading;
 mod neighbours;

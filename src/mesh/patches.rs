@@ -175,6 +175,16 @@ pub(super) fn append(
     });
 }
 
+/// Makes another point of a patch stand for it.
+pub(super) fn move_centre(mesh: &mut PatchMesh, index: usize, centre: DVec3) {
+    let patch = &mesh.patches[index];
+    let corners = mesh.pieces_of(patch).flat_map(|piece| mesh.corners_of(piece));
+    let distances = corners.map(|c| mesh.vertices[c.vertex as usize].distance(centre));
+    let radius = distances.fold(0.0, f64::max);
+    let patch = &mut mesh.patches[index];
+    (patch.centre, patch.radius) = (centre, radius);
+}
+
 /// Points spread over a patch: near the corners of its pieces and in their middles.
 pub(super) fn inner_points(mesh: &PatchMesh, patch: &Patch) -> Vec<DVec3> {
     let mut points = Vec::new();

@@ -1,10 +1,11 @@
 //! Regions cut into pieces along their grid and along the lines where other surfaces stand on them.
 
+use super::contacts::{self, Contact};
 use super::grading::Grading;
 use super::regions::{Outline, Welder};
 use super::types::{PatchMesh, Piece, PieceCorner, Region};
-use crate::geometry::{Aabb, polygon};
-use glam::{DVec2, DVec3};
+use crate::geometry::polygon;
+use glam::DVec2;
 use std::collections::HashMap;
 
 /// A convex polygon on its way to becoming a [`Piece`].
@@ -45,11 +46,12 @@ impl Grid {
     }
 }
 
-/// Cuts every part of the region along the grid, finer where `grading` asks for it, and along the contact lines.
+/// Cuts every part of the region along the grid, finer where `grading` asks for it, and along the contact
+/// lines that matter; the others leave the list.
 pub(super) fn cut(
     outline: &Outline,
     grid: &Grid,
-    contacts: &[[DVec2; 2]],
+    contacts: &mut Vec<Contact>,
     grading: &Grading<'_>,
 ) -> Vec<Cut> {
     let mut cuts = Vec::new();
@@ -94,7 +96,7 @@ pub(super) fn cut(
     cuts.sort_by_key(|c| c.cell);
     cuts = grading.halve(cuts, outline, grid);
     if !contacts.is_empty() {
-        cuts = split_at_contacts(cuts, grid, contacts);
+        cuts = contacts::split(cuts, grid, contacts);
     }
     if cuts.iter().any(|cut| cut.leaf != 0) {
         share_corners(&mut cuts, grid);
@@ -158,144 +160,16 @@ fn with_whole_fan(mut corners: Vec<DVec2>) -> Vec<DVec2> {
     corners
 }
 
-fn split_at_contacts(cuts: Vec<Cut>, grid: &Grid, contacts: &[[DVec2; 2]]) -> Vec<Cut> {
-    let mut by_cell: HashMap<u32, Vec<[DVec2; 2]>> = HashMap::new();
-    for &[p, q] in contacts {
-        let (min, max) = extent(&[p, q]);
-        for j in span(min.y, max.y, grid.min.y, grid.cell.y, grid.cells[1]) {
-            for i in span(min.x, max.x, grid.min.x, grid.cell.x, grid.cells[0]) {
-                by_cell.entry(i + j * grid.cells[0]).or_default().push([p, q]);
-            }
-        }
-    }
-    let mut result = Vec::new();
-    for cut in cuts {
-        // A line this near to the border of a piece is not worth a split: it would leave a sliver.
-        let slack = 0.02 * cut.extent.min_element();
-        let mut pending = vec![cut];
-        for (line, &[p, q]) in by_cell.get(&pending[0].cell).into_iter().flatten().enumerate() {
-            let mut next = Vec::new();
-            for cut in pending {
-                let normal = (q - p).perp().normalize_or_zero();
-                let offset = -normal.dot(p);
-                let heights = cut.corners.iter().map(|&c| normal.dot(c) + offset);
-                let (low, high) =
-                    heights.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), x| (l.min(x), h.max(x)));
-                if low > -slack || high < slack || !crosses(&cut.corners, p, q, slack) {
-                    next.push(cut);
-                    continue;
-                }
-                for (bit, sign) in [(1_u64, 1.0), (2, -1.0)] {
-                    let mut corners = Vec::new();
-                    polygon::clip_2d(&cut.corners, normal * sign, offset * sign, &mut corners);
-                    if corners.len() >= 3 && polygon::area_2d(&corners) > slack * slack {
-                        let sides = cut.sides ^ (bit + 4 * line as u64).wrapping_mul(0x9E37_79B9_7F4A_7C15);
-                        next.push(Cut { corners, sides, ..cut.clone() });
-                    }
-                }
-            }
-            pending = next;
-            if pending.is_empty() {
-                break;
-            }
-        }
-        result.extend(pending);
-    }
-    result
-}
-
-/// Whether the segment from `p` to `q` runs through the inside of a convex polygon for more than `slack`.
-fn crosses(corners: &[DVec2], p: DVec2, q: DVec2, slack: f64) -> bool {
-    let (mut from, mut to) = (0.0_f64, 1.0_f64);
-    let n = corners.len();
-    for i in 0..n {
-        let (a, b) = (corners[i], corners[(i + 1) % n]);
-        let inward = (b - a).perp();
-        let (fp, fq) = (inward.dot(p - a), inward.dot(q - a));
-        if fp < 0.0 && fq < 0.0 {
-            return false;
-        }
-        if fp < 0.0 {
-            from = from.max(fp / (fp - fq));
-        } else if fq < 0.0 {
-            to = to.min(fp / (fp - fq));
-        }
-    }
-    (to - from) * (q - p).length() > slack
-}
-
-fn extent(corners: &[DVec2]) -> (DVec2, DVec2) {
+pub(super) fn extent(corners: &[DVec2]) -> (DVec2, DVec2) {
     corners.iter().fold((DVec2::INFINITY, DVec2::NEG_INFINITY), |(min, max), &c| (min.min(c), max.max(c)))
 }
 
 /// Indices of the grid cells that an interval overlaps by more than a sliver.
-fn span(low: f64, high: f64, min: f64, cell: f64, count: u32) -> std::ops::Range<u32> {
+pub(super) fn span(low: f64, high: f64, min: f64, cell: f64, count: u32) -> std::ops::Range<u32> {
     let last = f64::from(count - 1);
     let first = ((low - min) / cell + 1e-7).floor().clamp(0.0, last) as u32;
     let end = ((high - min) / cell - 1e-7).floor().clamp(0.0, last) as u32;
     first..end.max(first) + 1
-}
-
-/// Segments of other regions' outlines that lie in the plane of each region and are long enough
-/// to matter for patches of edge `size`.
-pub(super) fn contacts(outlines: &[Outline], size: f64, scene_size: f64) -> Vec<Vec<[DVec2; 2]>> {
-    const CELLS: f64 = 24.0;
-    let tolerance = 1e-6 * scene_size;
-    let bounds = outlines.iter().fold(Aabb::EMPTY, |sum, o| sum.union(o.bounds));
-    let step = (bounds.size() / CELLS).max(DVec3::splat(1e-9 * scene_size.max(f64::MIN_POSITIVE)));
-    let cell_of =
-        |p: DVec3| ((p - bounds.min) / step).clamp(DVec3::ZERO, DVec3::splat(CELLS - 1.0)).as_uvec3();
-    let cells_between = |low: DVec3, high: DVec3| {
-        let (a, b) = (cell_of(low), cell_of(high));
-        (a.x..=b.x).flat_map(move |x| (a.y..=b.y).flat_map(move |y| (a.z..=b.z).map(move |z| [x, y, z])))
-    };
-    let mut segments: Vec<(u32, DVec3, DVec3)> = Vec::new();
-    let mut grid: HashMap<[u32; 3], Vec<u32>> = HashMap::new();
-    for (owner, outline) in outlines.iter().enumerate() {
-        for edge in &outline.edges {
-            let [p, q] = edge.map(|c| outline.world(c));
-            if p.distance(q) < 0.35 * size {
-                continue;
-            }
-            let index = segments.len() as u32;
-            segments.push((owner as u32, p, q));
-            for cell in cells_between(p.min(q) - tolerance, p.max(q) + tolerance) {
-                grid.entry(cell).or_default().push(index);
-            }
-        }
-    }
-    outlines
-        .iter()
-        .enumerate()
-        .map(|(index, outline)| {
-            let (low, high) = (outline.bounds.min - tolerance, outline.bounds.max + tolerance);
-            let mut near: Vec<u32> =
-                cells_between(low, high).filter_map(|cell| grid.get(&cell)).flatten().copied().collect();
-            near.sort_unstable();
-            near.dedup();
-            let mut found: Vec<[DVec2; 2]> = Vec::new();
-            for s in near {
-                let (owner, p, q) = segments[s as usize];
-                let (a, b) =
-                    (outline.frame.local(p - outline.origin), outline.frame.local(q - outline.origin));
-                if owner == index as u32 || a.z.abs() > tolerance || b.z.abs() > tolerance {
-                    continue;
-                }
-                let (a, b) = (DVec2::new(a.x, a.y), DVec2::new(b.x, b.y));
-                let again = found.iter().any(|[c, d]| {
-                    (c.distance(a) < tolerance && d.distance(b) < tolerance)
-                        || (c.distance(b) < tolerance && d.distance(a) < tolerance)
-                });
-                if !again
-                    && a.min(b).cmplt(outline.max - tolerance).all()
-                    && a.max(b).cmpgt(outline.min + tolerance).all()
-                {
-                    found.push([a, b]);
-                }
-            }
-            found
-        })
-        .collect()
 }
 
 /// Appends a region, its pieces and its cell lists to the mesh; patches are not assigned yet.

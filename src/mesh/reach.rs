@@ -213,9 +213,11 @@ impl<'a> Search<'a> {
     }
 
     /// For each patch whether its centre lies under something, out of all light, although its side is
-    /// lit elsewhere; then a point of it that is lit, if any of `points` is.
+    /// lit elsewhere; then a point of it that is lit, if any of `points` is. A lamp's counts as buried where
+    /// it shines on sides that are dark by what has been `reached`.
     pub(super) fn buried(
         &self,
+        reached: &[[Reach; 2]],
         patches: &[Patch],
         points: impl Fn(&Patch) -> Vec<DVec3> + Sync,
     ) -> Vec<Option<Buried>> {
@@ -226,8 +228,15 @@ impl<'a> Search<'a> {
                 let by_reach = self.scene.materials[patch.material as usize].sides != Sides::Both;
                 let seed = (1 << 40) + 64 * index as u64;
                 let frame = self.frame(2 * patch.region as usize + patch.side as usize);
+                if patch.luminaire.is_some() {
+                    let covered = |point: &DVec3| self.looks_into_dark(reached, *point, frame);
+                    if !covered(&patch.centre) {
+                        return None;
+                    }
+                    let open = points(patch).into_iter().take(40).find(|point| !covered(point));
+                    return Some(open.map_or(Buried::Whole, Buried::LitAt));
+                }
                 if !by_reach
-                    || patch.luminaire.is_some()
                     || self.lamps.is_empty()
                     || self.is_lit(&[patch.centre], frame, seed, PATHS / 3, 1)
                 {
@@ -245,6 +254,21 @@ impl<'a> Search<'a> {
                 Some(lit.map_or(Buried::Whole, |(_, point)| Buried::LitAt(point)))
             })
             .collect()
+    }
+
+    /// Whether more than half of what is seen from a point is sides that no light reaches: nothing that is
+    /// lit sees any, but for seams.
+    fn looks_into_dark(&self, reached: &[[Reach; 2]], point: DVec3, frame: Frame) -> bool {
+        const RAYS: u32 = 16;
+        let origin = point + frame.normal * self.offset;
+        let meets_dark = |k: &u32| {
+            let direction = frame.world(cosine_direction(*k, RAYS, 0.1));
+            self.bvh.nearest(&Ray { origin, direction }, 0.0, f64::INFINITY).is_some_and(|hit| {
+                let side = self.side_met(hit.triangle, direction);
+                reached[side / 2][side % 2] == Reach::Dark
+            })
+        };
+        (0..RAYS).filter(meets_dark).count() as u32 > RAYS / 2
     }
 
     /// The points nearest to a patch, of those that are known to be lit, that lie in front of it and

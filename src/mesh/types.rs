@@ -114,7 +114,8 @@ pub struct Patch {
     pub texture_average: [f64; 3],
     /// Exitance per band relative to that of its luminaire; zero where it does not emit.
     pub emission_weight: [f64; 3],
-    /// It lies under something that stands on its surface, out of all light.
+    /// It lies under something that stands on its surface, out of all light; what a lamp sends out there
+    /// counts as escaped.
     pub buried: bool,
     /// Radius of the smallest sphere around `centre` that holds the patch, metres.
     pub radius: f64,

@@ -1,0 +1,237 @@
+//! Lines along which surfaces stand on others: light may jump there, so patches end there.
+
+use super::pieces::{Cut, Grid, extent, span};
+use super::regions::{Outline, Welder};
+use crate::geometry::{Aabb, Bvh, polygon};
+use glam::{DVec2, DVec3};
+use std::collections::HashMap;
+
+/// What stands on a cell matters where it is at least so wide, over the root of the cell's area.
+const WORTH: f64 = 0.35;
+/// Shorter edges than this of it are not followed.
+const SHORTEST: f64 = 0.05;
+
+/// The edges of all outlines of a scene.
+pub(super) struct Edges {
+    segments: Vec<Segment>,
+    /// Over the segments as triangles without area.
+    tree: Bvh,
+    /// Lengths below this count as none, metres.
+    tolerance: f64,
+}
+
+/// A line along which something stands on a region, in the region's plane coordinates.
+pub(super) struct Contact {
+    pub(super) ends: [DVec2; 2],
+    /// Extent of all lines that it is joined to, end to end: the width of what stands there.
+    width: f64,
+}
+
+struct Segment {
+    owner: usize,
+    ends: [DVec3; 2],
+}
+
+impl Edges {
+    pub(super) fn new(outlines: &[Outline], scene_size: f64) -> Self {
+        let of = |(owner, outline): (usize, &Outline)| -> Vec<Segment> {
+            let segment = |edge: &[DVec2; 2]| Segment { owner, ends: edge.map(|c| outline.world(c)) };
+            outline.edges.iter().map(segment).collect()
+        };
+        let segments: Vec<Segment> = outlines.iter().enumerate().flat_map(of).collect();
+        let flat: Vec<[DVec3; 3]> = segments.iter().map(|s| [s.ends[0], s.ends[1], s.ends[1]]).collect();
+        Self { tree: Bvh::build(&flat), segments, tolerance: 1e-6 * scene_size }
+    }
+
+    /// Lines in the plane of an outline that matter to cells of edge `shortest` or longer.
+    pub(super) fn on(&self, index: usize, outline: &Outline, shortest: f64) -> Vec<Contact> {
+        let tolerance = self.tolerance;
+        let mut near = Vec::new();
+        self.tree.touching(&outline.bounds.grown(tolerance), |s| near.push(s));
+        near.sort_unstable();
+        let mut found: Vec<[DVec2; 2]> = Vec::new();
+        for s in near {
+            let segment = &self.segments[s as usize];
+            let [p, q] = segment.ends;
+            if segment.owner == index || p.distance(q) < SHORTEST * shortest {
+                continue;
+            }
+            let [a, b] = segment.ends.map(|end| outline.frame.local(end - outline.origin));
+            if a.z.abs() > tolerance || b.z.abs() > tolerance {
+                continue;
+            }
+            let (a, b) = (DVec2::new(a.x, a.y), DVec2::new(b.x, b.y));
+            let again = found.iter().any(|[c, d]| {
+                (c.distance(a) < tolerance && d.distance(b) < tolerance)
+                    || (c.distance(b) < tolerance && d.distance(a) < tolerance)
+            });
+            if !again
+                && a.min(b).cmplt(outline.max - tolerance).all()
+                && a.max(b).cmpgt(outline.min + tolerance).all()
+            {
+                found.push([a, b]);
+            }
+        }
+        let mut contacts = with_widths(found, tolerance);
+        contacts.retain(|contact| contact.width >= WORTH * shortest);
+        contacts
+    }
+}
+
+fn with_widths(lines: Vec<[DVec2; 2]>, tolerance: f64) -> Vec<Contact> {
+    let mut welder = Welder::new(tolerance);
+    let ends: Vec<[usize; 2]> =
+        lines.iter().map(|line| line.map(|end| welder.index(end.extend(0.0)) as usize)).collect();
+    let mut leader: Vec<usize> = (0..welder.points.len()).collect();
+    let root = |leader: &[usize], mut k: usize| {
+        while leader[k] != k {
+            k = leader[k];
+        }
+        k
+    };
+    for &[a, b] in &ends {
+        let (a, b) = (root(&leader, a), root(&leader, b));
+        leader[a.max(b)] = a.min(b);
+    }
+    let mut bounds: HashMap<usize, Aabb> = HashMap::new();
+    for (k, &point) in welder.points.iter().enumerate() {
+        bounds.entry(root(&leader, k)).or_insert(Aabb::EMPTY).include(point);
+    }
+    let width = |end: usize| bounds.get(&root(&leader, end)).map_or(0.0, |b| b.size().max_element());
+    lines.iter().zip(&ends).map(|(&line, &[end, _])| Contact { ends: line, width: width(end) }).collect()
+}
+
+/// Cuts along the `contacts` that matter to a cut; only these are left in the list.
+pub(super) fn split(cuts: Vec<Cut>, grid: &Grid, contacts: &mut Vec<Contact>) -> Vec<Cut> {
+    let mut by_cell: HashMap<u32, Vec<usize>> = HashMap::new();
+    for (k, contact) in contacts.iter().enumerate() {
+        let (min, max) = extent(&contact.ends);
+        for j in span(min.y, max.y, grid.min.y, grid.cell.y, grid.cells[1]) {
+            for i in span(min.x, max.x, grid.min.x, grid.cell.x, grid.cells[0]) {
+                by_cell.entry(i + j * grid.cells[0]).or_default().push(k);
+            }
+        }
+    }
+    let mut matters = vec![false; contacts.len()];
+    let mut result = Vec::new();
+    for cut in cuts {
+        // A line this near to the border of a piece is not worth a split: it would leave a sliver.
+        let slack = 0.02 * cut.extent.min_element();
+        let edge = (cut.extent.x * cut.extent.y).sqrt();
+        let (min, max) = extent(&cut.corners);
+        let lines = by_cell.get(&cut.cell).into_iter().flatten();
+        let mut pending = vec![cut];
+        for (line, &k) in lines.enumerate() {
+            let Contact { ends: [p, q], width } = contacts[k];
+            let is_near = p.min(q).cmple(max + slack).all() && p.max(q).cmpge(min - slack).all();
+            if !is_near || width < WORTH * edge || p.distance(q) < SHORTEST * edge {
+                continue;
+            }
+            matters[k] = true;
+            let mut next = Vec::new();
+            for cut in pending {
+                let normal = (q - p).perp().normalize_or_zero();
+                let offset = -normal.dot(p);
+                let heights = cut.corners.iter().map(|&c| normal.dot(c) + offset);
+                let (low, high) =
+                    heights.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), x| (l.min(x), h.max(x)));
+                if low > -slack || high < slack || !crosses(&cut.corners, p, q, slack) {
+                    next.push(cut);
+                    continue;
+                }
+                for (bit, sign) in [(1_u64, 1.0), (2, -1.0)] {
+                    let mut corners = Vec::new();
+                    polygon::clip_2d(&cut.corners, normal * sign, offset * sign, &mut corners);
+                    if corners.len() >= 3 && polygon::area_2d(&corners) > slack * slack {
+                        let sides = cut.sides ^ (bit + 4 * line as u64).wrapping_mul(0x9E37_79B9_7F4A_7C15);
+                        next.push(Cut { corners, sides, ..cut.clone() });
+                    }
+                }
+            }
+            pending = next;
+            if pending.is_empty() {
+                break;
+            }
+        }
+        result.extend(pending);
+    }
+    let mut matters = matters.into_iter();
+    contacts.retain(|_| matters.next().unwrap_or(false));
+    result
+}
+
+/// Whether the segment from `p` to `q` runs through the inside of a convex polygon for more than `slack`.
+fn crosses(corners: &[DVec2], p: DVec2, q: DVec2, slack: f64) -> bool {
+    let (mut from, mut to) = (0.0_f64, 1.0_f64);
+    let n = corners.len();
+    for i in 0..n {
+        let (a, b) = (corners[i], corners[(i + 1) % n]);
+        let inward = (b - a).perp();
+        let (fp, fq) = (inward.dot(p - a), inward.dot(q - a));
+        if fp < 0.0 && fq < 0.0 {
+            return false;
+        }
+        if fp < 0.0 {
+            from = from.max(fp / (fp - fq));
+        } else if fq < 0.0 {
+            to = to.min(fp / (fp - fq));
+        }
+    }
+    (to - from) * (q - p).length() > slack
+}
+
+#[cfg(test)]
+mod tests {
+    use crate::mesh::{MeshSettings, PatchTarget, build};
+    use crate::scene::from_text;
+    use glam::DVec2;
+
+    #[test]
+    fn a_small_surface_is_cut_where_something_small_stands_on_it() {
+        // A plate of 10 cm under a peg of 4 cm, in a mesh of patches of 30 cm.
+        let obj = "o plate\nv 0 1 0\nv 0.1 1 0\nv 0.1 1 0.1\nv 0 1 0.1\nf 4 3 2 1\n\
+                   o peg\nv 0.01 1 0.02\nv 0.05 1 0.02\nv 0.05 1 0.06\nv 0.01 1 0.06\n\
+                   v 0.01 1.2 0.02\nv 0.05 1.2 0.02\nv 0.05 1.2 0.06\nv 0.01 1.2 0.06\n\
+                   f 5 9 10 6\nf 6 10 11 7\nf 7 11 12 8\nf 8 12 9 5\nf 12 11 10 9\n\
+                   o floor\nv -2 0 -2\nv 2 0 -2\nv 2 0 2\nv -2 0 2\nf 16 15 14 13\n";
+        let scene = from_text("peg", obj, "", None).unwrap();
+        let settings = MeshSettings { target: PatchTarget::Size(0.3), ..MeshSettings::default() };
+        let mesh = build(&scene, &settings).unwrap();
+        let (low, high) = (DVec2::new(0.01, 0.02), DVec2::new(0.05, 0.06));
+        let mut covered = 0.0;
+        for patch in mesh.patches.iter().filter(|p| p.normal.y > 0.9 && (p.centre.y - 1.0).abs() < 1e-6) {
+            let corners = mesh.pieces_of(patch).flat_map(|piece| mesh.polygon(piece, patch.side));
+            let (mut inside, mut outside) = (false, false);
+            for corner in corners.map(|c| DVec2::new(c.x, c.z)) {
+                inside |= corner.cmpgt(low + 1e-6).all() && corner.cmplt(high - 1e-6).all();
+                outside |= corner.cmplt(low - 1e-6).any() || corner.cmpgt(high + 1e-6).any();
+            }
+            assert!(!inside, "no corner lies under the peg");
+            if !outside {
+                covered += patch.area;
+            }
+        }
+        assert!((covered - 0.04 * 0.04).abs() < 1e-9, "{covered} m² lie under the peg");
+    }
+
+    #[test]
+    fn a_lamp_sends_nothing_into_what_holds_it() {
+        // A tile of 30 cm that shines down, on a post of 12 cm without a top,
+        // beside the points of it that the search for light starts from.
+        let obj = "mtllib post.mtl\nusemtl paint\no floor\nv -2 0 -2\nv 2 0 -2\nv 2 0 2\nv -2 0 2\nf 4 3 2 1\n\
+                   o post\nv 0.02 0 0.02\nv 0.14 0 0.02\nv 0.14 0 0.14\nv 0.02 0 0.14\n\
+                   v 0.02 1 0.02\nv 0.14 1 0.02\nv 0.14 1 0.14\nv 0.02 1 0.14\n\
+                   f 5 9 10 6\nf 6 10 11 7\nf 7 11 12 8\nf 8 12 9 5\n\
+                   usemtl glow\no lamp\nv -0.15 1 -0.15\nv 0.15 1 -0.15\nv 0.15 1 0.15\nv -0.15 1 0.15\n\
+                   f 13 14 15 16\n";
+        let mtl = "newmtl paint\nKd 0.5 0.5 0.5\nnewmtl glow\nKd 0 0 0\nKe 1 1 1\n";
+        let scene = from_text("post", obj, mtl, None).unwrap();
+        let settings = MeshSettings { target: PatchTarget::Size(0.3), ..MeshSettings::default() };
+        let mesh = build(&scene, &settings).unwrap();
+        let lamps = || mesh.patches.iter().filter(|p| p.luminaire.is_some());
+        let buried: f64 = lamps().filter(|p| p.buried).map(|p| p.area).sum();
+        assert!((buried - 0.12 * 0.12).abs() < 1e-9, "{buried} m² of the lamp are in the post");
+        let whole: f64 = lamps().map(|p| p.area).sum();
+        assert!((whole - 0.09).abs() < 1e-9, "{whole}");
+    }
+}
