@@ -15,7 +15,7 @@ mod trial;
 pub use audited::{audit, shown};
 pub use chart::chart;
 pub use cost::{CostModel, Fineness, Limits, Measured};
-pub use goal::{Attempt, CONSOLATION, Goal, News, Reached, reach, settings_of};
+pub use goal::{Attempt, CONSOLATION, Goal, News, Reached, aim, reach, settings_of};
 pub use refine::refined;
 pub use sweep::{Entry, entries, foreseen, measure, pareto};
 pub use trial::{Trial, row_overhead, trial};

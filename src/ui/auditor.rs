@@ -289,7 +289,10 @@ impl Auditor {
         }
         let wanted = match self.goal {
             Goal::Error(error) => {
-                let promised = self.model.cheapest(0.85 * error, self.limits).map(|f| self.model.towards(f));
+                let promised = self
+                    .model
+                    .cheapest(study::aim(&self.model) * error, self.limits)
+                    .map(|f| self.model.towards(f));
                 // Out of reach; once, then, for what can be had in a moderate time.
                 promised.or_else(|| {
                     self.model.best_within(study::CONSOLATION, self.limits).filter(|_| steps == 0)
