@@ -4,12 +4,14 @@ use super::pieces::{Cut, Grid, extent, span};
 use super::regions::{Outline, Welder};
 use crate::geometry::{Aabb, Bvh, polygon};
 use glam::{DVec2, DVec3};
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 
 /// What stands on a cell matters where it is at least so wide, over the root of the cell's area.
 const WORTH: f64 = 0.35;
 /// Shorter edges than this of it are not followed.
 const SHORTEST: f64 = 0.05;
+/// A cell is cut along so many lines at most, the longest: a hedge on a lawn is not traced leaf by leaf.
+const MOST_LINES: usize = 48;
 
 /// The edges of all outlines of a scene.
 pub(super) struct Edges {
@@ -49,7 +51,9 @@ impl Edges {
         let mut near = Vec::new();
         self.tree.touching(&outline.bounds.grown(tolerance), |s| near.push(s));
         near.sort_unstable();
-        let mut found: Vec<[DVec2; 2]> = Vec::new();
+        // Ends that meet are one, and so are lines between the same ends.
+        let mut welder = Welder::new(tolerance);
+        let (mut found, mut known) = (Vec::new(), HashSet::new());
         for s in near {
             let segment = &self.segments[s as usize];
             let [p, q] = segment.ends;
@@ -60,45 +64,42 @@ impl Edges {
             if a.z.abs() > tolerance || b.z.abs() > tolerance {
                 continue;
             }
-            let (a, b) = (DVec2::new(a.x, a.y), DVec2::new(b.x, b.y));
-            let again = found.iter().any(|[c, d]| {
-                (c.distance(a) < tolerance && d.distance(b) < tolerance)
-                    || (c.distance(b) < tolerance && d.distance(a) < tolerance)
-            });
-            if !again
-                && a.min(b).cmplt(outline.max - tolerance).all()
-                && a.max(b).cmpgt(outline.min + tolerance).all()
+            let (a, b) = (a.truncate(), b.truncate());
+            if a.min(b).cmplt(outline.max - tolerance).all() && a.max(b).cmpgt(outline.min + tolerance).all()
             {
-                found.push([a, b]);
+                let mut key = [a, b].map(|end| welder.index(end.extend(0.0)));
+                key.sort_unstable();
+                if known.insert(key) {
+                    found.push((key, [a, b]));
+                }
             }
         }
-        let mut contacts = with_widths(found, tolerance);
-        contacts.retain(|contact| contact.width >= WORTH * shortest);
-        contacts
+        let width = widths(&welder.points, found.iter().map(|line| line.0));
+        let contacts = found.into_iter().map(|([end, _], ends)| Contact { ends, width: width[end as usize] });
+        contacts.filter(|contact| contact.width >= WORTH * shortest).collect()
     }
 }
 
-fn with_widths(lines: Vec<[DVec2; 2]>, tolerance: f64) -> Vec<Contact> {
-    let mut welder = Welder::new(tolerance);
-    let ends: Vec<[usize; 2]> =
-        lines.iter().map(|line| line.map(|end| welder.index(end.extend(0.0)) as usize)).collect();
-    let mut leader: Vec<usize> = (0..welder.points.len()).collect();
-    let root = |leader: &[usize], mut k: usize| {
-        while leader[k] != k {
-            k = leader[k];
+/// For each point the extent of all `lines` between points, by their indices, that lead to it.
+fn widths(points: &[DVec3], lines: impl Iterator<Item = [u32; 2]>) -> Vec<f64> {
+    let mut leader: Vec<u32> = (0..points.len() as u32).collect();
+    let root = |leader: &mut [u32], mut k: u32| {
+        while leader[k as usize] != k {
+            leader[k as usize] = leader[leader[k as usize] as usize];
+            k = leader[k as usize];
         }
         k
     };
-    for &[a, b] in &ends {
-        let (a, b) = (root(&leader, a), root(&leader, b));
-        leader[a.max(b)] = a.min(b);
+    for [a, b] in lines {
+        let (a, b) = (root(&mut leader, a), root(&mut leader, b));
+        leader[a.max(b) as usize] = a.min(b);
     }
-    let mut bounds: HashMap<usize, Aabb> = HashMap::new();
-    for (k, &point) in welder.points.iter().enumerate() {
-        bounds.entry(root(&leader, k)).or_insert(Aabb::EMPTY).include(point);
+    let leads: Vec<u32> = (0..points.len() as u32).map(|k| root(&mut leader, k)).collect();
+    let mut bounds = vec![Aabb::EMPTY; points.len()];
+    for (&point, &k) in points.iter().zip(&leads) {
+        bounds[k as usize].include(point);
     }
-    let width = |end: usize| bounds.get(&root(&leader, end)).map_or(0.0, |b| b.size().max_element());
-    lines.iter().zip(&ends).map(|(&line, &[end, _])| Contact { ends: line, width: width(end) }).collect()
+    leads.iter().map(|&k| bounds[k as usize].size().max_element()).collect()
 }
 
 /// Cuts along the `contacts` that matter to a cut; only these are left in the list.
@@ -119,14 +120,21 @@ pub(super) fn split(cuts: Vec<Cut>, grid: &Grid, contacts: &mut Vec<Contact>) ->
         let slack = 0.02 * cut.extent.min_element();
         let edge = (cut.extent.x * cut.extent.y).sqrt();
         let (min, max) = extent(&cut.corners);
-        let lines = by_cell.get(&cut.cell).into_iter().flatten();
-        let mut pending = vec![cut];
-        for (line, &k) in lines.enumerate() {
-            let Contact { ends: [p, q], width } = contacts[k];
+        let matters_here = |k: &&usize| {
+            let Contact { ends: [p, q], width } = contacts[**k];
             let is_near = p.min(q).cmple(max + slack).all() && p.max(q).cmpge(min - slack).all();
-            if !is_near || width < WORTH * edge || p.distance(q) < SHORTEST * edge {
-                continue;
-            }
+            is_near && width >= WORTH * edge && p.distance(q) >= SHORTEST * edge
+        };
+        let mut lines: Vec<usize> =
+            by_cell.get(&cut.cell).into_iter().flatten().filter(matters_here).copied().collect();
+        if lines.len() > MOST_LINES {
+            let length = |k: usize| contacts[k].ends[0].distance(contacts[k].ends[1]);
+            lines.sort_by(|&a, &b| length(b).total_cmp(&length(a)).then(a.cmp(&b)));
+            lines.truncate(MOST_LINES);
+        }
+        let mut pending = vec![cut];
+        for k in lines {
+            let [p, q] = contacts[k].ends;
             matters[k] = true;
             let mut next = Vec::new();
             for cut in pending {
@@ -143,7 +151,7 @@ pub(super) fn split(cuts: Vec<Cut>, grid: &Grid, contacts: &mut Vec<Contact>) ->
                     let mut corners = Vec::new();
                     polygon::clip_2d(&cut.corners, normal * sign, offset * sign, &mut corners);
                     if corners.len() >= 3 && polygon::area_2d(&corners) > slack * slack {
-                        let sides = cut.sides ^ (bit + 4 * line as u64).wrapping_mul(0x9E37_79B9_7F4A_7C15);
+                        let sides = cut.sides ^ (bit + 4 * k as u64).wrapping_mul(0x9E37_79B9_7F4A_7C15);
                         next.push(Cut { corners, sides, ..cut.clone() });
                     }
                 }
