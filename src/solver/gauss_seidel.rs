@@ -114,7 +114,10 @@ impl GaussSeidel {
             group.correct(form_factors, system, aggregates, balance);
             group.relax(form_factors, system, cancelled);
             group.measure(form_factors, system, cancelled);
-            group.combine(system);
+            // What was cut short has no residual to go by.
+            if !cancelled() {
+                group.combine(system);
+            }
         });
         if cancelled() {
             return None;
