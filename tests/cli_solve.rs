@@ -113,7 +113,7 @@ fn every_output_is_written_and_they_agree_with_each_other() {
 
     // The table and the report describe one solution: E A and (1 - rho) H A add up to its power.
     let (table, report) = (place.text("a.csv"), place.text("a.json"));
-    let areas = column(&table, "area");
+    let areas = column(&table, "area_m2");
     assert_eq!(areas.len() as f64, json(&report, &["mesh", "patches"]));
     // Six walls of 4 m² and a lamp of 0.25 m² with its dark back.
     let area: f64 = areas.iter().sum();
@@ -203,7 +203,7 @@ fn centres_of_the_table_can_be_gathered_at() {
     let place = Workplace::with_room(0.5);
     place.succeed(&["solve", "room.obj", "--patch-size", "250", "--patch-table", "a.csv"]);
     let table = place.text("a.csv");
-    let names = ["centre_x", "centre_y", "centre_z", "normal_x", "normal_y", "normal_z"];
+    let names = ["centre_x_mm", "centre_y_mm", "centre_z_mm", "normal_x", "normal_y", "normal_z"];
     let columns = names.map(|name| column(&table, name));
     let lines: Vec<String> = (0..columns[0].len())
         .map(|i| columns.iter().map(|c| c[i].to_string()).collect::<Vec<_>>().join(","))

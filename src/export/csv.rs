@@ -30,19 +30,26 @@ pub struct PatchRow<'a> {
     pub reflectance: [f32; 3],
 }
 
-const HEADER: &str = "id,surface,material,centre_x,centre_y,centre_z,normal_x,normal_y,normal_z,area,\
+/// After `centre_x_mm` and the like.
+const HEADER: &str = "normal_x,normal_y,normal_z,area_m2,\
     radiosity_r,radiosity_g,radiosity_b,exitance_r,exitance_g,exitance_b,\
     irradiance_r,irradiance_g,irradiance_b,reflectance_r,reflectance_g,reflectance_b";
 
-/// Writes one line a patch under a header line, names quoted where they need it (RFC 4180).
+/// Writes one line a patch under a header line, names quoted where they need it (RFC 4180). `unit` is the
+/// symbol of that of the centres, told in the names of their columns; radiometric columns are in W/m².
 ///
 /// # Errors
 /// A refusal of the system.
 pub fn write_patch_table<'a>(
     path: &Path,
+    unit: &str,
     rows: impl IntoIterator<Item = PatchRow<'a>>,
 ) -> Result<(), ExportError> {
     atomic::write(path, |file| {
+        write!(file, "id,surface,material,")?;
+        for axis in ["x", "y", "z"] {
+            write!(file, "centre_{axis}_{unit},")?;
+        }
         writeln!(file, "{HEADER}")?;
         for row in rows {
             write!(file, "{},{},{}", row.id, quoted(row.surface), quoted(row.material))?;
@@ -103,10 +110,11 @@ mod tests {
     fn one_line_a_patch_with_as_many_fields_as_the_header() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("patches.csv");
-        write_patch_table(&path, [row("wall")]).unwrap();
+        write_patch_table(&path, "mm", [row("wall")]).unwrap();
         let text = std::fs::read_to_string(&path).unwrap();
         let lines: Vec<&str> = text.lines().collect();
         assert_eq!(lines[1], "7,wall,red,0.1,-2,1e-7,0,-1,0,0.0625,1,0.1,0,0,0,0,2,3,4.5e12,0.5,0.25,0.125");
+        assert!(lines[0].contains(",centre_x_mm,centre_y_mm,centre_z_mm,normal_x,"), "{}", lines[0]);
         assert_eq!(lines[0].split(',').count(), lines[1].split(',').count());
         assert_eq!(lines.len(), 2);
     }

@@ -42,5 +42,5 @@ pub fn save_patch_table(path: &Path, lit: &LitScene<'_>) -> Result<(), ExportErr
             reflectance: lit.reflectance.get(id).copied().unwrap_or_default(),
         }
     });
-    write_patch_table(path, rows)
+    write_patch_table(path, scene.unit.symbol(), rows)
 }

@@ -7,12 +7,13 @@ use super::types::{LengthUnit, Lighting, Scene, Sides, UpAxis};
 use std::io;
 use std::path::Path;
 use toml::Spanned;
+use toml_edit::{DocumentMut, Item, Table};
 
 /// The text of a sidecar that brings back the scene's views, lamps and edited materials.
 ///
 /// `lighting` holds one state a luminaire; `repainted` are indices of the materials whose present
 /// reflectance is to be kept. With the text of the `existing` sidecar, its other entries stay as
-/// they are (comments do not). Lamps whose exitance was not changed keep their lumens and colour
+/// they are, and its comments with their entries. Lamps whose exitance was not changed keep their lumens and colour
 /// temperature.
 ///
 /// # Errors
@@ -81,8 +82,37 @@ pub fn sidecar_text(
         };
         sidecar.materials.push(MaterialEntry { name: unplaced(material.name.clone()), reflectance, sides });
     }
-    toml::to_string(&sidecar)
-        .map_err(|error| SceneError::file(&file, format!("cannot be composed ({error})")))
+    composed(&sidecar, existing, &file)
+}
+
+/// The text of a sidecar. Comments of the `existing` text stay with their entries.
+fn composed(sidecar: &Sidecar, existing: Option<&str>, file: &str) -> Result<String, SceneError> {
+    let text = toml::to_string(sidecar)
+        .map_err(|error| SceneError::file(file, format!("cannot be composed ({error})")))?;
+    let parsed = |text: &str| text.parse::<DocumentMut>().ok();
+    let Some((old, mut new)) = existing.and_then(parsed).zip(parsed(&text)) else { return Ok(text) };
+    keep_comments(&old, &mut new);
+    new.set_trailing(old.trailing().clone());
+    Ok(new.to_string())
+}
+
+/// Gives the entries of `new` what stands before and behind those of the same name in `old`.
+fn keep_comments(old: &Table, new: &mut Table) {
+    for (key, before) in old.iter() {
+        if let (Some(from), Some(mut to)) = (old.key(key), new.key_mut(key)) {
+            *to.leaf_decor_mut() = from.leaf_decor().clone();
+        }
+        match (before, new.get_mut(key)) {
+            (Item::Value(before), Some(Item::Value(now))) => *now.decor_mut() = before.decor().clone(),
+            (Item::ArrayOfTables(before), Some(Item::ArrayOfTables(now))) => {
+                for (before, now) in before.iter().zip(now.iter_mut()) {
+                    *now.decor_mut() = before.decor().clone();
+                    keep_comments(before, now);
+                }
+            }
+            _ => {}
+        }
+    }
 }
 
 /// Writes the sidecar at `path`, keeping what [`sidecar_text`] keeps of the one that is there.
@@ -98,22 +128,20 @@ pub fn write_sidecar(
     replace(path, &sidecar_text(scene, lighting, repainted, before.as_deref())?)
 }
 
-/// Writes the unit and the up axis of a model to the sidecar at `path`; all else in it stays (comments do
-/// not). The model has to be read again for it to take effect.
+/// Writes the unit and the up axis of a model to the sidecar at `path`; all else in it stays. The model has to be read again for it to take effect.
 ///
 /// # Errors
 /// Where the sidecar that is there cannot be read, or the new one cannot be written.
 pub fn write_frame(path: &Path, unit: LengthUnit, up: UpAxis) -> Result<(), SceneError> {
     let file = path.file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned());
-    let mut sidecar = match existing(path)? {
-        Some(text) => Source { file: &file, text: &text }.parse()?,
+    let before = existing(path)?;
+    let mut sidecar = match &before {
+        Some(text) => Source { file: &file, text }.parse()?,
         None => Sidecar::default(),
     };
     sidecar.unit = Some(unit.into());
     sidecar.up = Some(if up == UpAxis::Z { UpKey::Z } else { UpKey::Y });
-    let text = toml::to_string(&sidecar)
-        .map_err(|error| SceneError::file(&file, format!("cannot be composed ({error})")))?;
-    replace(path, &text)
+    replace(path, &composed(&sidecar, before.as_deref(), &file)?)
 }
 
 /// The text of a file where there is one.
@@ -229,6 +257,36 @@ mod tests {
         let text = sidecar_text(&scene, &scene.lighting(), &[], Some(SIDECAR)).unwrap();
         assert!(text.contains("lumens = 450") && text.contains("cct = 2700"), "{text}");
         assert!(!text.contains("exitance"), "{text}");
+    }
+
+    #[test]
+    fn comments_stay_with_their_entries() {
+        let noted = SIDECAR
+            .replace("up = ", "# Lies on its back.\nup = ")
+            .replace("[[material]]", "# After the survey.\n[[material]]")
+            .replace("lumens = 450", "lumens = 450 # as measured")
+            + "# The end.\n";
+        let noted = format!("# Ms Meyer's house.\n{noted}");
+        let scene = from_text("t", OBJ, MTL, Some(&noted)).unwrap();
+        let mut lighting = scene.lighting();
+        lighting.lamps[0].dimmer = 0.3;
+        let text = sidecar_text(&scene, &lighting, &[], Some(&noted)).unwrap();
+        for kept in [
+            "# Ms Meyer's house.\nunit = ",
+            "# Lies on its back.\nup = ",
+            "# After the survey.\n[[material]]",
+            "lumens = 450.0 # as measured\n",
+            "# The end.\n",
+        ] {
+            assert!(text.contains(kept), "{kept:?} is gone from\n{text}");
+        }
+        assert!(text.contains("dimmer = 0.3"), "{text}");
+        let again = from_text("t", OBJ, MTL, Some(&text)).unwrap_or_else(|e| panic!("{e}\n{text}"));
+        assert_eq!(
+            sidecar_text(&again, &lighting, &[], Some(&text)).unwrap(),
+            text,
+            "written twice, it is the same"
+        );
     }
 
     #[test]

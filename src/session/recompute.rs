@@ -40,6 +40,9 @@ impl Recompute {
             format!("opened {name}")
         } else if self.mesh {
             "settings".to_owned()
+        } else if self.rows > 0 {
+            // Nothing but what was left of a solve that had been stopped.
+            "resumed".to_owned()
         } else {
             "materials".to_owned()
         };

@@ -4,7 +4,7 @@
 use super::app::App;
 use super::camera_control::CameraControl;
 use super::state::{DisplaySettings, Edits};
-use crate::scene::{Scene, View};
+use crate::scene::{Scene, SceneSource, View};
 use std::sync::Arc;
 
 impl App {
@@ -23,6 +23,9 @@ impl App {
             return;
         }
         self.files.watch(Some(&scene.source));
+        if let SceneSource::File(path) = &scene.source {
+            self.state.remember(path);
+        }
         let display = DisplaySettings { split: false, ..self.edits.display };
         let edits = std::mem::replace(&mut self.edits, Edits::of_scene(&scene, display));
         let views = std::mem::replace(&mut self.views, scene.views.clone());

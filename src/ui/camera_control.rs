@@ -153,6 +153,11 @@ impl CameraControl {
             self.eyes = self.pose.eye.dot(self.up) - ground;
             let feet = self.pose.eye - self.up * self.eyes;
             self.footing = Footing { feet, fall_speed: 0.0, grounded: true };
+        } else {
+            // Over nothing one walks on at this height.
+            self.eyes = self.body.eye_height;
+            let feet = self.pose.eye - self.up * self.eyes;
+            self.footing = Footing { feet, fall_speed: 0.0, grounded: false };
         }
     }
 
@@ -210,6 +215,12 @@ impl CameraControl {
             self.at_bookmark = motion == Motion::Walk;
             self.settled = false;
         }
+    }
+
+    /// Takes to the floor without waiting for a step, as whoever asks for walking expects.
+    pub(super) fn land(&mut self) {
+        self.land = self.motion == Motion::Walk;
+        self.settled = false;
     }
 
     /// Sets the height of the eyes above the floor for an adult, metres.
@@ -472,6 +483,27 @@ mod tests {
         let eye = control.pose().eye;
         assert!((eye.y - 1.6).abs() < 1e-3, "{eye}");
         assert!((eye.z - (-2.0 + control.body.radius)).abs() < 1e-6, "{eye}");
+    }
+
+    #[test]
+    fn who_asks_for_walking_lands_at_once_and_over_nothing_goes_on_from_there() {
+        let floor = [[-9.0, 0.0, -9.0], [-9.0, 0.0, 9.0], [9.0, 0.0, 9.0], [9.0, 0.0, -9.0]].map(DVec3::from);
+        let triangles = vec![[floor[0], floor[1], floor[2]], [floor[0], floor[2], floor[3]]];
+        let world = Obstacles::new(triangles, DVec3::Y);
+        let mut control = camera(Motion::Fly);
+        control.pan(0.0, 3.0);
+        control.set_motion(Motion::Walk);
+        control.land();
+        for _ in 0..60 {
+            control.advance(&Wish::default(), Some(&world), 1.0 / 60.0);
+        }
+        assert!((control.pose().eye.y - 1.6).abs() < 1e-3, "{}", control.pose().eye);
+        // Beside the floor there is nothing to stand on: the first step starts where the camera is.
+        control.pan(20.0, 0.0);
+        let before = control.pose().eye;
+        control.set_motion(Motion::Walk);
+        control.advance(&Wish { ahead: 1.0, ..Wish::default() }, Some(&world), 1.0 / 60.0);
+        assert!(control.pose().eye.distance(before) < 0.1, "{} from {before}", control.pose().eye);
     }
 
     #[test]

@@ -34,6 +34,11 @@ impl App {
                 command,
                 Command::SetLamp(..) | Command::SetReflectance(..) | Command::SetDisplay(_)
             );
+            // Whoever switches a lamp knows that one can.
+            self.state.hint_done |= matches!(
+                command,
+                Command::SetLamp(..) | Command::ToggleLamp(_) | Command::AllLamps(_) | Command::SoloLamp(_)
+            );
             let (edits, solo) = self.edited(&command);
             self.apply(key, edits);
             if solo.is_some() || !matches!(command, Command::SetDisplay(_) | Command::SetReflectance(..)) {
@@ -70,7 +75,7 @@ impl App {
             Command::GoToView(index) => self.go_to(index),
             Command::StepView(step) => self.step_view(step),
             Command::Home => self.go_to(self.start_view),
-            Command::StoreView => self.store_view(),
+            Command::StoreView => self.store_view(ctx),
             Command::RenameView(index, name) => {
                 if let Some(view) = self.views.get_mut(index) {
                     view.name = name;
@@ -91,6 +96,7 @@ impl App {
                 self.touring = None;
                 if let Some(camera) = &mut self.camera {
                     camera.set_motion(motion);
+                    camera.land();
                 }
             }
             Command::SetEyeHeight(metres) => {
@@ -325,9 +331,6 @@ impl App {
 
     /// Opens a scene; the present one stays until the new one is ready, and if it fails.
     pub(super) fn open(&mut self, source: SceneSource) {
-        if let SceneSource::File(path) = &source {
-            self.state.remember(path);
-        }
         (self.notice, self.dismissed) = (None, None);
         let name = match &source {
             SceneSource::File(path) => path.file_name().map(|n| n.to_string_lossy().into_owned()),
@@ -362,14 +365,23 @@ impl App {
         }
         display.split = !display.split;
         if display.split && !display.quantity.can_split() {
-            (display.quantity, display.range) = (Quantity::Picture, None);
+            display = display.showing(Quantity::Picture);
         }
         self.apply(EditKey::Display, Edits { display, ..self.edits.clone() });
         self.history.seal();
     }
 
+    /// Moves again as was chosen, where orbiting or a jump to a patch has lifted the camera off the floor.
+    pub(super) fn move_as_chosen(&mut self) {
+        if let Some(camera) = &mut self.camera {
+            camera.set_motion(self.chosen_motion);
+            self.state.motion = self.chosen_motion;
+        }
+    }
+
     fn go_to(&mut self, index: usize) {
         self.touring = None;
+        self.move_as_chosen();
         if let (Some(view), Some(camera)) = (self.views.get(index), &mut self.camera) {
             let pose = camera.pose_of(view);
             camera.travel_to(pose);
@@ -385,18 +397,18 @@ impl App {
         }
     }
 
-    fn store_view(&mut self) {
+    fn store_view(&mut self, ctx: &egui::Context) {
         let Some(control) = &self.camera else { return };
         let pose = control.pose();
         let target = pose.eye + control.forward();
         let free = |k: &usize| self.views.iter().all(|v| v.name != format!("View {k}"));
         let number = (self.views.len() + 1..).find(free).unwrap_or(1);
-        self.views.push(View {
-            name: format!("View {number}"),
-            eye: pose.eye,
-            target,
-            fov_y_deg: pose.fov_y_deg,
-        });
+        let name = format!("View {number}");
+        if !self.state.left_open {
+            let text = format!("This view is kept as {name}");
+            self.notice = Some(Notice { text, is_error: false, since: ctx.input(|i| i.time) });
+        }
+        self.views.push(View { name, eye: pose.eye, target, fov_y_deg: pose.fov_y_deg });
         self.view_index = Some(self.views.len() - 1);
     }
 
@@ -419,7 +431,11 @@ impl App {
         let is_here = |view: &View| {
             let there = camera.pose_of(view);
             let turned = (there.yaw - pose.yaw).sin().hypot(there.pitch - pose.pitch);
-            there.eye.distance(pose.eye) < 1e-3 && turned < 1e-3 && (there.yaw - pose.yaw).cos() > 0.0
+            let zoomed = (there.fov_y_deg - pose.fov_y_deg).abs() > 0.5;
+            there.eye.distance(pose.eye) < 1e-3
+                && turned < 1e-3
+                && (there.yaw - pose.yaw).cos() > 0.0
+                && !zoomed
         };
         self.views.iter().position(is_here)
     }

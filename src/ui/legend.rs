@@ -7,12 +7,16 @@ use egui::{Align2, Color32, FontId, Pos2, Rect, Vec2};
 
 const BAR: Vec2 = Vec2::new(14.0, 170.0);
 const WIDTH: f32 = 112.0;
+/// In a view that is narrower than this the bar is only so high: it must not cover the middle.
+const NARROW: f32 = 560.0;
+const LOW: f32 = 104.0;
 const PAD: f32 = 10.0;
 const TITLE: f32 = 20.0;
 
 /// Draws the legend into the lower right corner of `view`.
 pub(super) fn show(ui: &egui::Ui, view: Rect, quantity: Quantity, scale: &FalseColour) {
-    let size = Vec2::new(WIDTH, BAR.y + 2.0 * PAD + TITLE);
+    let height = if view.width() < NARROW { LOW } else { BAR.y };
+    let size = Vec2::new(WIDTH, height + 2.0 * PAD + TITLE);
     let ground = Rect::from_min_size(view.max - size - Vec2::splat(12.0), size);
     if !view.contains_rect(ground) {
         return;
@@ -25,8 +29,8 @@ pub(super) fn show(ui: &egui::Ui, view: Rect, quantity: Quantity, scale: &FalseC
     };
     let font = FontId::proportional(11.0);
     painter.text(ground.min + Vec2::splat(PAD), Align2::LEFT_TOP, title, font.clone(), theme::TEXT);
-    let bar = Rect::from_min_size(ground.min + Vec2::new(PAD, PAD + TITLE), BAR);
-    let steps = BAR.y as usize;
+    let bar = Rect::from_min_size(ground.min + Vec2::new(PAD, PAD + TITLE), Vec2::new(BAR.x, height));
+    let steps = height as usize;
     for step in 0..steps {
         let position = 1.0 - (step as f64 + 0.5) / steps as f64;
         let [r, g, b] = scale.map.srgb(position).map(|c| (c * 255.0).round() as u8);
@@ -45,8 +49,8 @@ pub(super) fn show(ui: &egui::Ui, view: Rect, quantity: Quantity, scale: &FalseC
         }
         return;
     }
-    for tick in scale.ticks(9) {
-        let y = bar.bottom() - tick.position as f32 * BAR.y;
+    for tick in scale.ticks(if height < BAR.y { 6 } else { 9 }) {
+        let y = bar.bottom() - tick.position as f32 * height;
         painter.hline(bar.right()..=bar.right() + 4.0, y, (1.0, theme::TEXT));
         let at = Pos2::new(ground.right() - PAD, y);
         // Thousands apart, as in the panels.

@@ -79,12 +79,12 @@ pub fn run(source: SceneSource, settings: SolveSettings) -> Result<(), UiError> 
     });
     let session = Arc::new(session.map_err(|error| UiError::Failed(error.to_string()))?);
     session.set_settings(settings);
-    session.open(source.clone());
+    session.open(source);
     let legacy = recovery::Legacy::default();
     let mut openings = 0;
     loop {
         openings += 1;
-        let shown = show_window(&source, &session, &window, &legacy);
+        let shown = show_window(&session, &window, &legacy);
         let is_left = legacy.lock().unwrap_or_else(PoisonError::into_inner).is_some();
         if !is_left {
             return shown;
@@ -101,7 +101,6 @@ const MOST_OPENINGS: u32 = 4;
 
 /// One window on the session, from its opening to its end.
 fn show_window(
-    source: &SceneSource,
     session: &Arc<Session>,
     window: &Arc<Mutex<Option<egui::Context>>>,
     legacy: &recovery::Legacy,
@@ -120,11 +119,7 @@ fn show_window(
     let has_opened = Arc::clone(&opened);
     let create: eframe::AppCreator<'_> = Box::new(move |cc| {
         *window.lock().unwrap_or_else(PoisonError::into_inner) = Some(cc.egui_ctx.clone());
-        let mut state = App::stored_state(cc.storage);
-        let is_first = legacy.lock().unwrap_or_else(PoisonError::into_inner).is_none();
-        if let (SceneSource::File(path), true) = (source, is_first) {
-            state.remember(path);
-        }
+        let state = App::stored_state(cc.storage);
         has_opened.store(true, Ordering::Relaxed);
         let app = App::new(cc, Box::new(Arc::clone(session)), state);
         theme::leave_ground_to_the_clear(&cc.egui_ctx);

@@ -51,6 +51,15 @@ pub(super) fn hint(ui: &egui::Ui, view: Rect) {
     });
 }
 
+/// Why nothing is seen where all lamps are off.
+pub(super) fn dark(ui: &egui::Ui, view: Rect) {
+    corner(ui, "dark", view, Align2::CENTER_TOP, |ui| {
+        ui.style_mut().interaction.selectable_labels = false;
+        let text = "All lamps are off  -  0 or a click on a lamp switches them on";
+        ui.label(RichText::new(text).color(Color32::from_gray(235)));
+    });
+}
+
 /// The present message, with a way to take it away.
 pub(super) fn notice(ui: &egui::Ui, view: Rect, notice: &Notice, out: &mut Commands) {
     corner(ui, "notice", view, Align2::CENTER_TOP, |ui| {

@@ -224,6 +224,8 @@ pub struct DisplaySettings {
     pub tone_map: ToneMap,
     /// Ends of the false-colour range where pinned.
     pub range: Option<[f64; 2]>,
+    /// The range that was pinned last and the quantity that it is of, while another one is shown.
+    pub left_range: Option<(Quantity, [f64; 2])>,
     /// Even steps are factors, not differences.
     pub logarithmic: bool,
     /// Borders of patches over the picture.
@@ -237,8 +239,8 @@ pub struct DisplaySettings {
 }
 
 impl DisplaySettings {
-    /// The same with another quantity: its range is free, for one pinned in lux means nothing in
-    /// cd/m², and what spans decades is shown in even factors.
+    /// The same with another quantity. Its range is free, for one pinned in lux means nothing in cd/m²,
+    /// unless one was pinned for it before; what spans decades is shown in even factors.
     #[must_use]
     pub fn showing(self, quantity: Quantity) -> Self {
         let logarithmic = match (self.quantity.spans_decades(), quantity.spans_decades()) {
@@ -246,7 +248,12 @@ impl DisplaySettings {
             (true, false) => false,
             _ => self.logarithmic,
         };
-        Self { quantity, range: None, logarithmic, ..self }
+        let left_range = match self.range {
+            Some(range) => Some((self.quantity, range)),
+            None => self.left_range.filter(|left| left.0 != self.quantity),
+        };
+        let range = left_range.filter(|left| left.0 == quantity).map(|left| left.1);
+        Self { quantity, range, left_range, logarithmic, ..self }
     }
 }
 
@@ -261,6 +268,7 @@ impl Default for DisplaySettings {
             white_balance: true,
             tone_map: ToneMap::default(),
             range: None,
+            left_range: None,
             logarithmic: false,
             wireframe: false,
             split: false,
@@ -380,6 +388,19 @@ mod tests {
         let text = serde_json::to_string(&state).expect("plain values");
         assert_eq!(serde_json::from_str::<UiState>(&text).expect("just written"), state);
         assert_eq!(serde_json::from_str::<UiState>("{}").expect("all optional"), UiState::default());
+    }
+
+    #[test]
+    fn a_pinned_range_comes_back_with_its_quantity() {
+        let lux = DisplaySettings::default().showing(Quantity::Illuminance);
+        let pinned = DisplaySettings { range: Some([0.0, 300.0]), ..lux };
+        let luminance = pinned.showing(Quantity::Luminance);
+        assert_eq!(luminance.range, None, "lux are no cd/m2");
+        let picture = luminance.showing(Quantity::Picture);
+        assert_eq!(picture.showing(Quantity::Illuminance).range, Some([0.0, 300.0]));
+        // One that was set free stays so.
+        let free = DisplaySettings { range: None, ..picture.showing(Quantity::Illuminance) };
+        assert_eq!(free.showing(Quantity::Picture).showing(Quantity::Illuminance).range, None);
     }
 
     #[test]

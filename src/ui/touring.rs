@@ -54,6 +54,7 @@ impl App {
         if self.touring.take().is_some() || !self.can_tour() {
             return;
         }
+        self.move_as_chosen();
         let (Some(prepared), Some(camera)) = (&self.picture.prepared, &mut self.camera) else { return };
         camera.travel_to(camera.pose_of(&self.views[0]));
         self.state.hint_done = true;

@@ -46,6 +46,9 @@ pub(super) fn duration(seconds: f64) -> String {
     if !seconds.is_finite() || seconds < 0.0 {
         return "-".to_owned();
     }
+    if seconds < 5e-5 {
+        return "< 0.1 ms".to_owned();
+    }
     if seconds < 0.0995 {
         return format!("{:.1} ms", seconds * 1e3);
     }

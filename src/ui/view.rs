@@ -92,6 +92,10 @@ impl App {
 
     fn move_camera(&mut self, ui: &egui::Ui) {
         let wish = input::wish(ui.ctx());
+        if wish.ahead != 0.0 || wish.right != 0.0 {
+            // Who has orbited and takes a step walks on.
+            self.move_as_chosen();
+        }
         let (dt, since) = ui.input(|i| (f64::from(i.stable_dt), f64::from(i.unstable_dt)));
         if wish.ahead != 0.0 || wish.right != 0.0 || wish.up != 0.0 {
             self.touring = None;
@@ -305,6 +309,8 @@ impl App {
             let light = kept.filter(|_| self.split().is_some_and(on_left));
             overlay::readout(ui, rect, &model, pick, light);
         }
+        let lamps = &self.edits.lighting.lamps;
+        let is_dark = !lamps.is_empty() && !lamps.iter().any(|lamp| lamp.on && lamp.dimmer > 0.0);
         if self.picture.prepared.is_none() {
             let text = match self.snapshot.stage {
                 Stage::Idle if !self.picture.is_building() => {
@@ -314,8 +320,11 @@ impl App {
                 _ => "Loading...",
             };
             overlay::waiting(ui, rect, text);
-        } else if !self.state.hint_done && !self.help_open && self.notice.is_none() {
+        } else if !self.state.hint_done && !self.help_open && self.notice.is_none() && !is_dark {
             overlay::hint(ui, rect);
+        }
+        if is_dark && self.picture.prepared.is_some() && self.notice.is_none() && self.touring.is_none() {
+            overlay::dark(ui, rect);
         }
         // A message takes its place for a while.
         if let Some(touring) = self.touring.as_ref().filter(|_| self.notice.is_none()) {

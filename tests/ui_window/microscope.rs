@@ -196,6 +196,8 @@ fn maps_of_defects_come_in_their_units_and_signs() {
     let mut harness = window(&Counting::showing(solved()), false);
     let factors = solved().form_factors.clone().expect("assembled");
     let chosen = |harness: &mut Harness<'_, App>, name: &str| {
+        harness.get_by_label("Show").scroll_to_me();
+        harness.run_steps(20);
         click(harness, "Show");
         // Its line in the list, not the panels' own numbers of that name.
         let line = |h: &Harness<'_, App>| h.get_by_role_and_label(Role::Button, name).rect().center();

@@ -99,6 +99,7 @@ fn undo_and_redo_go_through_lamps_and_display() {
 #[test]
 fn the_display_panel_chooses_what_is_shown() {
     let mut harness = window(&Counting::showing(solved()), false);
+    reveal(&mut harness, "Show");
     click(&mut harness, "Show");
     click(&mut harness, "Illuminance");
     assert_eq!(harness.state().edits().display.quantity, Quantity::Illuminance);
@@ -321,6 +322,62 @@ fn keys_walk_and_the_walls_hold() {
     assert!((after.y - 1.6).abs() < 0.02, "at eye height: {after}");
     press(&mut harness, Key::F);
     assert_eq!(harness.state().motion(), Motion::Fly);
+}
+
+/// Drags with the right mouse button, which orbits.
+fn orbit(harness: &mut Harness<'_, App>, by: egui::Vec2) {
+    let at = harness.get_by_label("Scene view").rect().center();
+    harness.hover_at(at);
+    harness.run_steps(2);
+    let button = |pos, pressed| egui::Event::PointerButton {
+        pos,
+        button: egui::PointerButton::Secondary,
+        pressed,
+        modifiers: Modifiers::NONE,
+    };
+    harness.event(button(at, true));
+    harness.step();
+    for part in [0.5, 1.0] {
+        harness.hover_at(at + by * part);
+        harness.step();
+    }
+    harness.event(button(at + by, false));
+    harness.run_steps(3);
+}
+
+#[test]
+fn who_has_orbited_walks_on_and_the_walls_still_hold() {
+    let mut harness = window(&Counting::showing(solved()), false);
+    let start = harness.state().camera().expect("shown").eye;
+    orbit(&mut harness, egui::vec2(60.0, 10.0));
+    assert_eq!(harness.state().motion(), Motion::Fly);
+    assert!(harness.state().camera().expect("shown").eye.distance(start) > 0.05, "it has orbited");
+    harness.key_down(Key::W);
+    harness.run_steps(240);
+    harness.key_up(Key::W);
+    harness.run_steps(10);
+    assert_eq!(harness.state().motion(), Motion::Walk);
+    let eye = harness.state().camera().expect("shown").eye;
+    assert!(eye.x > 0.2 && eye.x < 3.8 && eye.z > 0.2 && eye.z < 2.8, "inside: {eye}");
+    // Home brings walking back by itself, and who has chosen to fly goes on flying.
+    orbit(&mut harness, egui::vec2(60.0, 10.0));
+    press(&mut harness, Key::Home);
+    assert_eq!(harness.state().motion(), Motion::Walk);
+    press(&mut harness, Key::F);
+    orbit(&mut harness, egui::vec2(60.0, 10.0));
+    press(&mut harness, Key::Home);
+    assert_eq!(harness.state().motion(), Motion::Fly);
+}
+
+#[test]
+fn without_any_light_the_view_says_why() {
+    let mut harness = window(&Counting::showing(solved()), false);
+    let told = "All lamps are off  -  0 or a click on a lamp switches them on";
+    assert!(harness.query_by_label(told).is_none());
+    press(&mut harness, Key::Num0);
+    assert!(harness.query_by_label(told).is_some());
+    press(&mut harness, Key::Num0);
+    assert!(harness.query_by_label(told).is_none());
 }
 
 #[test]

@@ -1,6 +1,6 @@
 //! How wrong the picture is, what less would cost, and the way there.
 
-use super::{Commands, Model, empty, error_chart};
+use super::{Commands, Model, error_chart};
 use crate::accuracy::{DARKEST, ErrorBudget, Estimate, LEVELS};
 use crate::session::Stage;
 use crate::study::Goal;
@@ -14,7 +14,7 @@ use egui::{Color32, RichText, Sense, Stroke, pos2, vec2};
 pub(in crate::ui) fn show(ui: &mut egui::Ui, model: &Model<'_>, out: &mut Commands) {
     let auditor = model.auditor;
     if model.scene.is_none() {
-        empty(ui, "Open a scene to see how exact its light is.");
+        super::no_scene(ui, model, "Open a scene to see how exact its light is.");
         return;
     }
     ui.spacing_mut().item_spacing.y = 3.0;
@@ -23,7 +23,8 @@ pub(in crate::ui) fn show(ui: &mut egui::Ui, model: &Model<'_>, out: &mut Comman
     bars(ui, auditor.budget.as_ref(), model);
     goal(ui, model, out);
     error_chart::show(ui, model, out);
-    // What changes its height stands below all that one clicks.
+    // What comes and goes has its room kept, so that nothing below moves under the cursor.
+    let top = ui.cursor().top();
     verdict(ui, model);
     if let Some(told) = auditor.foresight() {
         ui.label(RichText::new(told).small().color(theme::TEXT));
@@ -32,7 +33,12 @@ pub(in crate::ui) fn show(ui: &mut egui::Ui, model: &Model<'_>, out: &mut Comman
         let text = format!("Next seconds are best spent on {advice}.");
         ui.label(RichText::new(text).small().color(theme::TEXT_WEAK));
     }
+    let left = TOLD - (ui.cursor().top() - top);
+    ui.add_space(left.max(0.0));
 }
+
+/// Height that the verdict, what is foreseen and the advice usually take together, points.
+const TOLD: f32 = 2.0 * 17.0;
 
 /// The error in one number, or why there is none yet, and the switch.
 fn headline(ui: &mut egui::Ui, model: &Model<'_>, out: &mut Commands) {

@@ -56,12 +56,15 @@ pub(in crate::ui) fn show(ui: &mut egui::Ui, model: &Model<'_>, out: &mut Comman
         }
         let split = Button::selectable(now.split && model.has_comparison, "A | Now");
         if ui
-            .add_enabled(model.has_comparison && now.quantity.can_split(), split)
+            .add_enabled(model.has_comparison, split)
             .on_hover_text("A on the left of a divider, the light now on the right (C)")
             .accessible_name("Show A beside now")
             .clicked()
         {
             new.split = !now.split;
+            if new.split && !now.quantity.can_split() {
+                new = new.showing(Quantity::Picture);
+            }
         }
         let difference = now.quantity == Quantity::Difference;
         let button = Button::selectable(difference, "Now - A");
@@ -72,7 +75,6 @@ pub(in crate::ui) fn show(ui: &mut egui::Ui, model: &Model<'_>, out: &mut Comman
             .clicked()
         {
             new = new.showing(if difference { Quantity::Picture } else { Quantity::Difference });
-            new.range = None;
         }
     });
     if new != now {

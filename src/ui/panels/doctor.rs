@@ -46,7 +46,7 @@ pub(in crate::ui) fn show(ui: &mut Ui, model: &Model<'_>, out: &mut Commands) {
     let all = ui.available_rect_before_wrap();
     // The panel keeps the height that it was drawn to, however little there is to tell.
     ui.expand_to_include_rect(all);
-    let (list, rest) = all.split_left_right_at_x(all.left() + LIST.min(0.5 * all.width()));
+    let (list, rest) = all.split_left_right_at_x(all.left() + LIST.min(0.6 * all.width()));
     ui.scope_builder(UiBuilder::new().max_rect(list), |ui| {
         ScrollArea::vertical().id_salt("findings").auto_shrink(false).show(ui, |ui| {
             ui.spacing_mut().item_spacing.y = 0.0;
@@ -105,7 +105,7 @@ fn severity_of(finding: &Finding) -> (&'static str, Color32) {
 
 fn finding_line(ui: &mut Ui, model: &Model<'_>, number: usize, finding: &Finding, out: &mut Commands) {
     let (word, colour) = severity_of(finding);
-    let rest = (ui.available_width() - SEVERITY - COUNT - 12.0).max(60.0);
+    let rest = (ui.available_width() - SEVERITY - COUNT - 12.0).max(0.0);
     let cells = [
         Cell { colour, ..Cell::name(SEVERITY, word) },
         Cell::number(COUNT, units::count(finding.count)),

@@ -16,7 +16,7 @@ const ELSEWHERE: Color32 = Color32::from_gray(96);
 /// Where a solve on its way stands before there is a curve of two points.
 const DOT: f32 = 3.5;
 /// Height of the chart, and of the place kept for it, points.
-const HEIGHT: f32 = 132.0;
+const HEIGHT: f32 = 118.0;
 
 /// Shows the chart, once there is anything to show.
 pub(super) fn show(ui: &mut egui::Ui, model: &Model<'_>, out: &mut Commands) {

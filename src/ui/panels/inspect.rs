@@ -11,7 +11,7 @@ use egui::{Button, RichText};
 /// Shows the picked patch, or how to pick one, and the list.
 pub(in crate::ui) fn show(ui: &mut egui::Ui, model: &Model<'_>, out: &mut Commands) {
     let (Some(scene), Some(mesh)) = (model.scene, model.mesh) else {
-        empty(ui, "No scene is open.");
+        super::no_scene(ui, model, "No scene is open.");
         return;
     };
     let Some((id, patch)) = model.inspected.and_then(|id| Some((id, mesh.patches.get(id as usize)?))) else {

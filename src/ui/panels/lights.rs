@@ -10,7 +10,7 @@ use egui::{Align, Button, Color32, Layout, RichText, Slider, Vec2};
 /// Shows all lamps of the scene.
 pub(in crate::ui) fn show(ui: &mut egui::Ui, model: &Model<'_>, out: &mut Commands) {
     let Some(scene) = model.scene else {
-        empty(ui, "No scene is open.");
+        super::no_scene(ui, model, "No scene is open.");
         return;
     };
     if scene.luminaires.is_empty() {

@@ -69,7 +69,7 @@ fn solve_state(ui: &mut egui::Ui, model: &Model<'_>) {
         if let Some(fraction) = fraction_of(model.snapshot) {
             text += &format!("  {:.0} %", 100.0 * fraction);
         }
-        if let Some(left) = model.snapshot.seconds_left.filter(|_| !model.snapshot.paused) {
+        if let Some(left) = super::solver::time_left(model.snapshot) {
             text += &format!("  {}", units::duration(left));
         }
     }

@@ -25,7 +25,7 @@ use super::state::{Edits, UiState};
 use crate::display::{Exposure, FalseColour};
 use crate::mesh::PatchMesh;
 use crate::scene::{Scene, View};
-use crate::session::{Snapshot, SolveSettings};
+use crate::session::{Snapshot, SolveSettings, Stage};
 use crate::solver::{PatchLight, Power};
 
 /// Everything that panels show, borrowed for one frame.
@@ -115,6 +115,12 @@ pub(super) fn section(ui: &mut egui::Ui, title: &str, open: bool, contents: impl
         ui.add_space(6.0);
     });
     ui.separator();
+}
+
+/// What stands in a section without a scene; that one is on its way where it is.
+pub(super) fn no_scene(ui: &mut egui::Ui, model: &Model<'_>, text: &str) {
+    let is_coming = !matches!(model.snapshot.stage, Stage::Idle | Stage::Failed);
+    empty(ui, if is_coming { "Loading..." } else { text });
 }
 
 /// A line of weak text where a section has nothing to show yet.

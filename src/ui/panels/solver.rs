@@ -53,6 +53,11 @@ pub(in crate::ui) fn fraction_of(snapshot: &Snapshot) -> Option<f64> {
     is_known.then(|| snapshot.fraction.clamp(0.0, 1.0))
 }
 
+/// Seconds that the solve will still take, where it runs and they are worth a number.
+pub(in crate::ui) fn time_left(snapshot: &Snapshot) -> Option<f64> {
+    snapshot.seconds_left.filter(|&seconds| seconds >= 0.5 && !snapshot.paused)
+}
+
 /// Shows progress, residual and settings.
 pub(in crate::ui) fn show(ui: &mut egui::Ui, model: &Model<'_>, out: &mut Commands) {
     let snapshot = model.snapshot;
@@ -73,7 +78,7 @@ pub(in crate::ui) fn show(ui: &mut egui::Ui, model: &Model<'_>, out: &mut Comman
             let (text, tip, command) = pause(snapshot);
             let button = ui.add_enabled(command.is_some(), egui::Button::new(text)).on_hover_text(tip);
             out.extend(command.filter(|_| button.clicked()));
-            if let Some(left) = snapshot.seconds_left.filter(|_| running && !snapshot.paused) {
+            if let Some(left) = time_left(snapshot).filter(|_| running) {
                 ui.add_space(4.0);
                 ui.label(RichText::new(format!("{} left", units::duration(left))).color(theme::TEXT_WEAK));
             }
@@ -83,9 +88,10 @@ pub(in crate::ui) fn show(ui: &mut egui::Ui, model: &Model<'_>, out: &mut Comman
     ui.add(bar.fill(if running { theme::ACCENT } else { Color32::from_gray(80) }));
     numbers(ui, snapshot, model.power);
     residual_plot(ui, &snapshot.sweeps);
-    // Its line is kept while there is nothing to say.
+    // One line, kept while there is nothing to say.
     let change = if model.last_change.is_empty() { " " } else { model.last_change };
-    ui.label(RichText::new(change).small().color(theme::TEXT_WEAK));
+    ui.add_space(2.0);
+    ui.add(egui::Label::new(RichText::new(change).small().color(theme::TEXT_WEAK)).truncate());
     ui.collapsing("Method and quality", |ui| settings(ui, &model.settings, out));
     if let Some(plan) = &snapshot.plan
         && !plan.decisions.is_empty()
@@ -136,7 +142,7 @@ fn numbers(ui: &mut egui::Ui, snapshot: &Snapshot, power: Power) {
 }
 
 /// Height of the plot of the residual, and of the place kept for it, points.
-const PLOT_HEIGHT: f32 = 64.0;
+const PLOT_HEIGHT: f32 = 54.0;
 
 fn residual_plot(ui: &mut egui::Ui, sweeps: &[SweepReport]) {
     if sweeps.len() < 2 {
