@@ -25,6 +25,26 @@ fn an_error_is_reached_and_the_report_holds_the_budget() {
         assert!(0.0 <= low && low <= error && error <= high, "{part}: {accuracy}");
     }
     assert!(!accuracy["goal"]["attempts"].as_array().unwrap().is_empty());
+    // What it cost, by stage and by effect.
+    for stage in ["mesh", "rows", "balance", "sweeps", "display"] {
+        assert!(report["timings"][stage].as_f64().unwrap() > 0.0, "{stage}: {}", report["timings"]);
+    }
+    let is_on = |e: &&Value| e["state"].as_str().unwrap().starts_with("on");
+    let effects: Vec<&Value> = report["effects"].as_array().unwrap().iter().filter(is_on).collect();
+    assert!(!effects.is_empty());
+    for effect in effects {
+        assert!(effect["measured_seconds"].as_f64().is_some_and(|s| s >= 0.0), "{effect}");
+    }
+}
+
+#[test]
+fn a_goal_out_of_reach_is_told_with_how_far_it_got() {
+    let place = Workplace::with_room(0.5);
+    let told = place.succeed(&["solve", "room.obj", "--budget", "10ms", "--report", "r.json"]);
+    assert!(told.contains("more than asked for") || told.contains("not even the coarsest"), "{told}");
+    let report = report(&place, "r.json");
+    let goal = if report["accuracy"].is_null() { &Value::Null } else { &report["accuracy"]["goal"]["met"] };
+    assert_ne!(*goal, Value::Bool(true));
 }
 
 #[test]

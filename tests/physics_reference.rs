@@ -4,8 +4,12 @@ mod common;
 
 use common::{Model, lines, solved};
 use glam::{DVec3, dvec3};
+use lumenwalk::display::DisplayMesh;
+use lumenwalk::effects::EffectChoices;
 use lumenwalk::mesh::PatchTarget;
 use lumenwalk::scene::{Scene, luminance_weighted};
+use lumenwalk::session::Control;
+use lumenwalk::study;
 use std::f64::consts::PI;
 use std::sync::Arc;
 
@@ -32,14 +36,66 @@ fn cornell() -> Arc<Scene> {
     m.scene()
 }
 
-#[test]
-fn irradiance_in_the_cornell_box_is_that_of_a_path_tracer() {
+/// Points with normals and irradiance per band, as path traced.
+fn traced() -> Vec<Vec<f64>> {
     let table: Vec<Vec<f64>> = include_str!("data/cornell_closed.csv")
         .lines()
         .filter(|line| !line.starts_with(['#', 'x']))
         .map(|line| line.split(',').map(|field| field.parse().expect("a number")).collect())
         .collect();
     assert!(table.len() >= 60);
+    table
+}
+
+#[test]
+fn an_error_of_one_percent_asked_for_is_one_against_the_path_tracer() {
+    let (scene, table) = (cornell(), traced());
+    let lighting = scene.lighting();
+    let mut go_on = |_: study::News<'_>| Control::Continue;
+    let (goal, started) = (study::Goal::Error(0.01), std::time::Instant::now());
+    let reached = study::reach(&scene, &lighting, goal, &EffectChoices::default(), started, 4.0, &mut go_on);
+    let reached = reached.expect("solved");
+    assert!(reached.met, "{}", reached.verdict);
+    let (mesh, light) = (&reached.solved.mesh, reached.solved.light(&lighting));
+    let shown = study::shown(mesh, &DisplayMesh::build(mesh, &scene, true), &light.irradiance);
+    let (triangles, pieces) = mesh.triangles();
+    // What the picture shows at a point of a surface.
+    let at = |point: DVec3, normal: DVec3| {
+        triangles.iter().enumerate().find_map(|(index, &[a, b, c])| {
+            let whole = (b - a).cross(c - a);
+            let (area, facing) = (whole.length(), whole.normalize_or_zero());
+            let share = |p: DVec3, q: DVec3| (p - point).cross(q - point).dot(facing) / area;
+            let weights = [share(b, c), share(c, a), share(a, b)];
+            let is_inside = weights.iter().all(|&w| w > -1e-6) && (point - a).dot(facing).abs() < 1e-6;
+            let front = mesh.regions[mesh.pieces[pieces[index] as usize].region as usize].frame.normal;
+            (is_inside && front.dot(normal).abs() > 0.999).then(|| {
+                let side = usize::from(front.dot(normal) < 0.0);
+                let corners = shown.faces[2 * index + side];
+                corners
+                    .iter()
+                    .zip(weights)
+                    .map(|(h, w)| w * luminance_weighted(h.map(f64::from)))
+                    .sum::<f64>()
+            })
+        })
+    };
+    let (mut squares, mut sum, mut count) = (0.0, 0.0, 0.0);
+    for row in &table {
+        let point = dvec3(row[0], row[1], row[2]);
+        let shown = at(point, dvec3(row[3], row[4], row[5])).expect("on a surface");
+        let traced = luminance_weighted([row[6], row[7], row[8]]);
+        squares += (shown - traced).powi(2);
+        sum += traced;
+        count += 1.0;
+    }
+    let error = (squares / count).sqrt() / (sum / count);
+    println!("{}; against the path tracer {error:.5}", reached.verdict);
+    assert!(error < 0.01, "{error}");
+}
+
+#[test]
+fn irradiance_in_the_cornell_box_is_that_of_a_path_tracer() {
+    let table = traced();
     let points: Vec<(DVec3, DVec3)> =
         table.iter().map(|row| (dvec3(row[0], row[1], row[2]), dvec3(row[3], row[4], row[5]))).collect();
     let scene = cornell();

@@ -47,8 +47,9 @@ pub struct AuditSettings {
     pub local_noise: f64,
     /// Receivers at most; 64 or more.
     pub receivers: usize,
-    /// It ends as soon as the total's interval lies on one side of this. With such a mark it asks 512
-    /// receivers at least, time allowing: fewer may have missed the few places that are worst.
+    /// It ends as soon as the total's interval lies on one side of this. Before it says that the error is
+    /// smaller it asks 512 receivers at least, time allowing: fewer may have missed the few places that
+    /// are worst.
     pub decide: Option<f64>,
     /// Whether to use all threads of the pool, or the calling one alone.
     pub parallel: bool,
@@ -285,7 +286,9 @@ impl<'a> Audit<'a> {
             batch += 1;
             let total = self.estimate(&found, |f| f.total);
             let width = total.relative_half_width();
-            let enough = settings.decide.is_none() || found.len() >= DECISIVE;
+            // Places that were missed would only make an error larger that is too large already.
+            let is_above = settings.decide.is_some_and(|d| total.low > d) && found.len() >= INFORMED_FROM;
+            let enough = settings.decide.is_none() || is_above || found.len() >= DECISIVE;
             let decided = width < LOOSE && settings.decide.is_some_and(|d| total.low > d || total.high < d);
             let factors = || self.estimate(&found, |f| f.form_factors);
             let known =

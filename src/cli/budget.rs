@@ -7,15 +7,10 @@ use crate::export::{
     AccuracyReport, AreaReport, AttemptReport, DominantReport, ErrorReport, GoalReport, RangeReport,
 };
 use crate::scene::{LUMINOUS_EFFICACY, Lighting, Scene};
-use crate::session::{Control, Solved, Timings, available_bytes};
+use crate::session::{Control, Solved, Timings};
 use crate::study::{self, Goal, News, Reached};
 use std::sync::Arc;
 use std::time::Instant;
-
-/// Of the memory that is free form factors may take this part.
-const MEMORY_SHARE: f64 = 0.7;
-/// Where the system does not tell how much is free, GB.
-const MEMORY_GUESS: f64 = 4.0;
 
 /// Audits a finished solve; `None` where no light arrives.
 pub(super) fn audit(solved: &Solved, lighting: &Lighting) -> Option<ErrorBudget> {
@@ -31,7 +26,6 @@ pub(super) fn reach(
     started: Instant,
 ) -> Result<Reached, Failure> {
     let mut line = ProgressLine::new();
-    let memory = available_bytes().map_or(MEMORY_GUESS, |bytes| MEMORY_SHARE * bytes / 1e9);
     let observe = &mut |news: News<'_>| {
         match news {
             News::Solving(progress) => line.solve(progress),
@@ -39,7 +33,7 @@ pub(super) fn reach(
         }
         Control::Continue
     };
-    Ok(study::reach(scene, lighting, goal, effects, started, memory, observe)?)
+    Ok(study::reach(scene, lighting, goal, effects, started, study::memory(), observe)?)
 }
 
 /// The budget in a few lines.

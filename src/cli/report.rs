@@ -13,6 +13,8 @@ use crate::solver::{PatchLight, patch_emission};
 pub(super) struct OwnTimings {
     /// Reading the model.
     pub(super) load: f64,
+    /// From bases to corners.
+    pub(super) display: f64,
     /// Pictures, tables and points.
     pub(super) outputs: f64,
     /// The whole command up to the report.
@@ -91,6 +93,7 @@ pub(super) fn report(
             rows: timings.rows,
             balance: timings.balance,
             sweeps: timings.sweeps,
+            display: own.display,
             outputs: own.outputs,
             total: own.total,
         },

@@ -176,7 +176,7 @@ pub struct EffectReport {
     pub evidence: String,
     /// What it was expected to cost.
     pub predicted_cost: String,
-    /// What it took, where that was measured.
+    /// What it took, where that was measured; zero where leaving it out would not have been faster.
     pub measured_seconds: Option<f64>,
 }
 
@@ -197,7 +197,9 @@ pub struct TimingReport {
     pub balance: f64,
     /// Sweeps.
     pub sweeps: f64,
-    /// Mixing lamps, pictures, tables and points.
+    /// From the lamps' bases to the corners that are drawn, once: what a switched lamp costs.
+    pub display: f64,
+    /// Pictures, tables and points.
     pub outputs: f64,
     /// From the start of the command.
     pub total: f64,

@@ -1,7 +1,7 @@
 //! The background worker: requests in, immutable snapshots out. Knows neither GPU nor window.
 
 mod arriving;
-mod effect_costs;
+pub mod effect_costs;
 mod pipeline;
 mod recompute;
 mod threads;

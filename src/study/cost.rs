@@ -188,6 +188,18 @@ impl CostModel {
         Some(form_factors.hypot(mesh) * factor.clamp(0.5, 1.5))
     }
 
+    /// Whether smaller patches take away more of the error a second than more half-planes would; `None`
+    /// before the first audit.
+    pub fn asks_for_patches(&self) -> Option<bool> {
+        const STEP: f64 = 1.5;
+        let now = self.measured.last().map(|m| m.fineness)?;
+        let gain = |f: Fineness| {
+            Some((self.error(now)? - self.error(f)?) / (self.seconds(f)? - self.seconds(now)?).max(1e-9))
+        };
+        let patches = gain(Fineness { patches: STEP * now.patches, ..now })?;
+        Some(patches >= gain(Fineness { lines: STEP * now.lines, ..now })?)
+    }
+
     /// The next solve on the way to `wanted`: itself, or one in between that tells how the error falls
     /// with patches, where that is only assumed and `wanted` is far. As cost grows with the square of the
     /// patches, the step in between costs little, and going past the mark much.

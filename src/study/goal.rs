@@ -11,7 +11,8 @@ use crate::form_factors::{AssembleReport, FormFactors, Method, ReceivingPoints};
 use crate::mesh::{PatchTarget, Refinement};
 use crate::scene::{Lighting, Scene};
 use crate::session::{
-    Control, PipelineError, Progress, Run, SolveSettings, Solved, Stage, patch_reflectance, prepare, system,
+    Control, PipelineError, Progress, Run, SolveSettings, Solved, Stage, available_bytes, effect_costs,
+    patch_reflectance, prepare, system,
 };
 use crate::solver::LightBases;
 use std::sync::Arc;
@@ -85,7 +86,7 @@ const MOST_SOLVES: usize = 6;
 /// 1 % wrong was 1.01 % off.
 const AIM: [f64; 2] = [0.78, 0.86];
 /// Of the seconds left a solve may be foreseen to take this part.
-const TIME_AIM: f64 = 0.7;
+pub const TIME_AIM: f64 = 0.7;
 /// With time left, another solve is made where it is foreseen to leave this part of the error at most.
 const GAIN: f64 = 0.8;
 /// Noise that the shares of area may have of rays in these audits, which a user waits for.
@@ -93,7 +94,18 @@ const QUICK_NOISE: f64 = 0.02;
 /// Where no mesh in memory promises the error, one more solve of so many seconds is made.
 pub const CONSOLATION: f64 = 60.0;
 /// Patches never exceed this.
-const MOST_PATCHES: f64 = 400_000.0;
+pub const MOST_PATCHES: f64 = 400_000.0;
+/// A solve that has so many times the patches asked for has as few as the scene allows.
+pub const COARSEST: f64 = 1.5;
+/// Of the memory that is free form factors may take this part.
+const MEMORY_SHARE: f64 = 0.7;
+/// Where the system does not tell how much is free, GB.
+const MEMORY_GUESS: f64 = 4.0;
+
+/// What form factors may take of the memory that is free now, GB.
+pub fn memory() -> f64 {
+    available_bytes().map_or(MEMORY_GUESS, |bytes| MEMORY_SHARE * bytes / 1e9)
+}
 
 /// Solves until the goal is met, choosing patches, half-planes and tolerance by audits of what it has.
 ///
@@ -209,7 +221,7 @@ pub fn reach(
         let known = model.measured().last().map(|m| m.overhead);
         let overhead = known.unwrap_or_else(|| row_overhead(&solved, lines));
         model.learn(Measured::of(&solved, lines, overhead, budget.as_ref()));
-        if attempts.len() == 1 && solved.mesh.patches.len() as f64 > 1.5 * next.patches {
+        if attempts.len() == 1 && solved.mesh.patches.len() as f64 > COARSEST * next.patches {
             limits.fewest = solved.mesh.patches.len() as f64;
         }
         if best.as_ref().is_none_or(|(_, _, old)| !is_worse(budget.as_ref(), old.as_ref())) {
@@ -231,11 +243,18 @@ pub fn reach(
                 let shortfall = foreseen_error.map_or(1.0, |f| (f / budget.total.error).clamp(0.9, 1.0));
                 match model.cheapest(aim(&model) * error * shortfall, limits) {
                     Some(fineness) if is_finer_than_last(&model, fineness) => next = model.towards(fineness),
-                    // Out of reach; once more, then, for what can be had in a moderate time.
+                    // Out of reach; then for what can be had in a moderate time, once.
                     _ if obstacle.is_none() => {
-                        obstacle = Some(too_fine(&model, limits));
-                        let Some(fineness) = better_within(&model, CONSOLATION, limits) else { break };
-                        next = fineness;
+                        let best = better_within(&model, CONSOLATION, limits);
+                        let Some(fineness) = best else {
+                            obstacle = Some(too_fine(&model, limits));
+                            break;
+                        };
+                        // On the way there a step in between tells where patches are needed.
+                        next = model.towards(fineness);
+                        if next == fineness {
+                            obstacle = Some(too_fine(&model, limits));
+                        }
                     }
                     _ => {
                         obstacle = Some(too_fine(&model, limits));
@@ -270,7 +289,7 @@ fn is_finer_than_last(model: &CostModel, new: Fineness) -> bool {
 }
 
 /// The most accurate fineness within `seconds` where it promises a gain that is worth another solve.
-fn better_within(model: &CostModel, seconds: f64, limits: Limits) -> Option<Fineness> {
+pub fn better_within(model: &CostModel, seconds: f64, limits: Limits) -> Option<Fineness> {
     let last = model.measured().last().and_then(|m| model.error(m.fineness));
     let gains = |f: &Fineness| model.error(*f).zip(last).is_none_or(|(new, old)| new < GAIN * old);
     let best = model.best_within(seconds, limits)?;
@@ -331,7 +350,9 @@ fn verdict(
             let range =
                 format!("{} ({} to {})", percent(error), percent(found.total.low), percent(found.total.high));
             if error <= asked {
-                (true, format!("error {range}, as asked for"))
+                // Told rather than spent: to bring the whole interval below takes a third more patches.
+                let unsure = if found.total.high > asked { "; the interval reaches beyond" } else { "" };
+                (true, format!("error {range}, as asked for{unsure}"))
             } else {
                 let over = percent(error - asked);
                 let why = if because.is_empty() {
@@ -481,7 +502,8 @@ fn solve_until(
     };
     match finished {
         Ok(((form_factors, assembled, bases, sweeps), timings)) => {
-            let solved = Solved { sweeps, timings, ..solved(form_factors, assembled, bases) };
+            let plan = Arc::new(effect_costs::measured(&prepared, system.lamps, &timings));
+            let solved = Solved { sweeps, timings, plan, ..solved(form_factors, assembled, bases) };
             Ok(Outcome::Whole(Box::new(solved)))
         }
         Err(PipelineError::Cancelled) if cancel.load(Ordering::Relaxed) && !cancelled_by_observer => {

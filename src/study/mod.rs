@@ -15,7 +15,10 @@ mod trial;
 pub use audited::{audit, shown};
 pub use chart::chart;
 pub use cost::{CostModel, Fineness, Limits, Measured};
-pub use goal::{Attempt, CONSOLATION, Goal, News, Reached, aim, reach, settings_of};
+pub use goal::{
+    Attempt, COARSEST, CONSOLATION, Goal, MOST_PATCHES, News, Reached, TIME_AIM, aim, better_within, memory,
+    reach, settings_of,
+};
 pub use refine::refined;
 pub use sweep::{Entry, entries, foreseen, measure, pareto};
 pub use trial::{Trial, row_overhead, trial};

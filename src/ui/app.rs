@@ -342,6 +342,7 @@ impl App {
             mesh: prepared.map(|p| &*p.mesh),
             light: &self.picture.light,
             power: self.picture.power,
+            display_seconds: self.picture.display_seconds,
             light_version: self.picture.light_version,
             reflectance: &self.picture.reflectance,
             aspect: prepared.map_or(&[], |p| &p.aspect),

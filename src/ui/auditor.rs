@@ -4,7 +4,7 @@ use super::runs::{Finished, Runs};
 use crate::accuracy::{AuditSettings, ErrorBudget, Findings};
 use crate::display::NO_VALUE;
 use crate::form_factors::Method;
-use crate::mesh::{PatchMesh, Refinement};
+use crate::mesh::{PatchMesh, PatchTarget, Refinement};
 use crate::scene::{LUMINOUS_EFFICACY, Lighting, Scene};
 use crate::session::{Snapshot, SolveSettings, Solved, Stage};
 use crate::solver::{LightBases, PatchLight};
@@ -12,6 +12,7 @@ use crate::study::{self, CostModel, Fineness, Goal, Limits, Measured};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{Receiver, TryRecvError, channel};
 use std::sync::{Arc, Weak};
+use std::time::Instant;
 
 /// A light that stands for this long is worth checking, seconds.
 const SETTLED_SECS: f64 = 0.6;
@@ -85,8 +86,9 @@ pub(super) struct Auditor {
     /// The light as it stands, and since when.
     standing: Option<(Arc<LightBases>, Lighting, f64)>,
     job: Option<Job>,
-    /// Steps taken towards the goal since the user asked for it.
+    /// Steps taken towards the goal since the user asked for it, and when that was.
     steps: Option<u32>,
+    asked: Option<Instant>,
 }
 
 impl Default for Auditor {
@@ -101,13 +103,14 @@ impl Default for Auditor {
             curve: Vec::new(),
             verdict: String::new(),
             model: CostModel::default(),
-            limits: Limits { fewest: 1.0, most: 400_000.0, gigabytes: 4.0 },
+            limits: Limits { fewest: 1.0, most: study::MOST_PATCHES, gigabytes: study::memory() },
             refinement: None,
             scene: Weak::new(),
             seen: None,
             standing: None,
             job: None,
             steps: None,
+            asked: None,
         }
     }
 }
@@ -232,9 +235,16 @@ impl Auditor {
         let of = (solved.bases.clone(), lighting.clone());
         let resolve = if let Goal::Error(error) = self.goal { 0.2 * error } else { 1e-3 };
         let before = settings.refinement.clone();
+        let seconds = match self.goal {
+            // Part of the time that was asked for.
+            Goal::Seconds(seconds) if self.is_reaching() => (0.3 * solved.timings.solve())
+                .max(0.2)
+                .min(0.4 * (seconds - self.elapsed()).max(0.0))
+                .max(0.1),
+            _ => AUDIT_SECS,
+        };
         let audit = move || {
-            let settings =
-                AuditSettings { seconds: AUDIT_SECS, resolve, parallel: false, ..AuditSettings::default() };
+            let settings = AuditSettings { seconds, resolve, parallel: false, ..AuditSettings::default() };
             let found = study::audit(&solved, &lighting, &settings, &|| stop.load(Ordering::Relaxed));
             let checked = found.map(|findings| {
                 let overhead = lines.map(|lines| study::row_overhead(&solved, lines));
@@ -269,6 +279,12 @@ impl Auditor {
         let settings = &snapshot.settings;
         let known = self.model.measured().last().map(|m| m.overhead);
         if let (Some(lines), Some(overhead)) = (lines_of(settings), overhead.or(known)) {
+            let patches = solved.mesh.patches.len() as f64;
+            if let PatchTarget::Count(wanted) = settings.patches
+                && patches > study::COARSEST * wanted as f64
+            {
+                self.limits.fewest = patches;
+            }
             self.model.learn(Measured::of(&solved, lines, overhead, Some(&budget)));
             self.draw_curve();
         }
@@ -278,52 +294,68 @@ impl Auditor {
     /// The next solve towards the goal, if one is asked for and the last was not enough.
     fn step(&mut self, budget: &ErrorBudget, now: &SolveSettings) -> Option<SolveSettings> {
         let steps = self.steps?;
-        let reached = match self.goal {
-            Goal::Error(error) => budget.total.error <= error,
-            Goal::Seconds(_) => steps > 0,
-        };
-        if reached {
-            self.steps = None;
-            self.verdict = format!("Reached: {:.2} %", 100.0 * budget.total.error);
-            return None;
-        }
+        let error = format!("{:.2} %", 100.0 * budget.total.error);
         let wanted = match self.goal {
-            Goal::Error(error) => {
+            Goal::Error(asked) => {
+                if budget.total.error <= asked {
+                    return self.end(format!("Reached: {error}"));
+                }
                 let promised = self
                     .model
-                    .cheapest(study::aim(&self.model) * error, self.limits)
+                    .cheapest(study::aim(&self.model) * asked, self.limits)
                     .map(|f| self.model.towards(f));
                 // Out of reach; once, then, for what can be had in a moderate time.
                 promised.or_else(|| {
                     self.model.best_within(study::CONSOLATION, self.limits).filter(|_| steps == 0)
                 })
             }
-            Goal::Seconds(seconds) => self.model.best_within(0.8 * seconds, self.limits),
+            Goal::Seconds(seconds) => {
+                let elapsed = self.elapsed();
+                let left = study::TIME_AIM * (seconds - elapsed);
+                if steps == 0 {
+                    self.model.best_within(left, self.limits)
+                } else {
+                    let better = study::better_within(&self.model, left, self.limits);
+                    if better.is_none() || steps >= MOST_STEPS {
+                        let over = elapsed - seconds;
+                        let over = if over > 0.0 { format!(", {over:.1} s too many") } else { String::new() };
+                        return self.end(format!("{error} in {elapsed:.1} of {seconds:.1} s{over}"));
+                    }
+                    better
+                }
+            }
         };
         let Some(fineness) = wanted.filter(|_| steps < MOST_STEPS) else {
-            self.steps = None;
-            self.verdict = match self.goal {
+            return self.end(match self.goal {
                 _ if wanted.is_some() => format!("Not reached in {MOST_STEPS} solves; it may be in more"),
                 Goal::Error(_) => "Out of reach: the mesh would outgrow the memory".to_owned(),
                 Goal::Seconds(_) => "No solve of this scene is so short".to_owned(),
-            };
-            return None;
+            });
         };
         let settings = study::settings_of(fineness, self.goal, &now.effects, self.refinement.clone());
         if settings == *now {
-            self.steps = None;
-            "This is the best choice already".clone_into(&mut self.verdict);
-            return None;
+            return self.end("This is the best choice already".to_owned());
         }
         self.steps = Some(steps + 1);
         Some(settings)
+    }
+
+    /// The way to the goal ends, with these words.
+    fn end(&mut self, verdict: String) -> Option<SolveSettings> {
+        (self.steps, self.asked, self.verdict) = (None, None, verdict);
+        None
+    }
+
+    /// Seconds since the user asked for the goal.
+    fn elapsed(&self) -> f64 {
+        self.asked.map_or(0.0, |asked| asked.elapsed().as_secs_f64())
     }
 
     /// Begins to solve towards the goal: settings for the first step, where the light is known.
     pub(super) fn reach(&mut self, now: &SolveSettings) -> Option<SolveSettings> {
         self.verdict.clear();
         self.on = true;
-        self.steps = Some(0);
+        (self.steps, self.asked) = (Some(0), Some(Instant::now()));
         match self.budget {
             Some(budget) => self.step(&budget, now),
             None => None,
@@ -387,14 +419,14 @@ impl Auditor {
         (!told.is_empty()).then(|| told.join(", "))
     }
 
-    /// On what the next seconds are best spent.
+    /// On what the next seconds are best spent: what takes away most of the error in each.
     pub(super) fn advice(&self) -> Option<&'static str> {
         let budget = self.budget?;
         let (form_factors, mesh) = (budget.form_factors.error, budget.mesh.error);
         let solver = budget.solver.estimate.error;
         Some(if solver >= form_factors.max(mesh) {
             "further sweeps"
-        } else if mesh >= form_factors {
+        } else if self.model.asks_for_patches().unwrap_or(mesh >= form_factors) {
             "smaller patches"
         } else {
             "more lines a row"

@@ -7,6 +7,7 @@ use crate::scene::Lighting;
 use crate::solver::{LightBases, PatchLight, Power};
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, TryRecvError, channel};
+use std::time::Instant;
 
 /// What light is made from.
 #[derive(Clone)]
@@ -26,16 +27,20 @@ pub(super) struct Lit {
     pub(super) power: Power,
     /// Its radiosities at the corners that are drawn.
     pub(super) corners: Vec<[f32; 3]>,
+    /// How long this took.
+    pub(super) seconds: f64,
 }
 
 impl Lit {
     fn new(source: Source) -> Self {
         let Source { prepared, bases, reflectance, lighting, shading } = &source;
+        let clock = Instant::now();
         let light = bases.mix(&prepared.mesh, lighting, reflectance);
         let power = light.power(&prepared.mesh, reflectance);
         let shading = shading_of(*shading);
         let corners = prepared.display.corner_radiosity(&light.radiosity, &light.irradiance, shading);
-        Self { light, power, corners, source }
+        let seconds = clock.elapsed().as_secs_f64();
+        Self { light, power, corners, seconds, source }
     }
 }
 

@@ -119,6 +119,8 @@ pub(super) struct Picture {
     corners: Option<(ShadingMode, Vec<[f32; 3]>)>,
     /// Where its power goes.
     pub(super) power: Power,
+    /// Seconds that light took last from its bases to the corners that are drawn.
+    pub(super) display_seconds: f64,
     /// Grows with every change of `light`.
     pub(super) light_version: u64,
     /// State A.
@@ -210,7 +212,7 @@ impl Picture {
         let Source { bases, reflectance, lighting, shading, .. } = lit.source;
         reclaim.later(self.bases.replace(bases));
         (self.reflectance, self.lighting) = (reflectance, lighting);
-        (self.light, self.power) = (lit.light, lit.power);
+        (self.light, self.power, self.display_seconds) = (lit.light, lit.power, lit.seconds);
         self.corners = Some((shading, lit.corners));
         self.light_version += 1;
     }

@@ -1,6 +1,6 @@
 //! The window driven by the names of its controls, its keys and its mouse.
 
-use crate::support::{Counting, click, click_at, place_of_lamp, press, solved, window};
+use crate::support::{Counting, click, click_at, place_of_lamp, press, solved, wait_until, window};
 use egui::accesskit::Role;
 use egui::{Key, Modifiers};
 use egui_kittest::Harness;
@@ -225,6 +225,27 @@ fn a_goal_is_an_error_or_a_time_and_waits_for_the_check() {
     // The light is not checked yet: there is nothing to foresee a solve from.
     click(&mut harness, "Reach it");
     assert!(worker.requests().iter().all(|r| !r.starts_with("settings")), "no solve without a check");
+}
+
+#[test]
+fn a_goal_is_gone_for_once_the_light_is_checked() {
+    let worker = Counting::showing(solved());
+    let mut harness = window(&worker, false);
+    click(&mut harness, "In time");
+    wait_until(&mut harness, "a check", |h| h.query_by_label("Checking by rays").is_none());
+    click(&mut harness, "Reach it");
+    assert_eq!(worker.requests().iter().filter(|r| r.starts_with("settings")).count(), 1);
+    assert!(harness.query_by_label("On the way: solving").is_some());
+}
+
+#[test]
+fn what_a_solve_cost_is_told_by_stage_and_by_effect() {
+    let mut harness = window(&Counting::showing(solved()), false);
+    click(&mut harness, "What it cost");
+    harness.run_steps(20);
+    for name in ["Meshing", "Rows", "Balancing", "Sweeping", "Display", "visibility"] {
+        assert!(harness.query_all_by_label(name).next().is_some(), "{name}");
+    }
 }
 
 #[test]

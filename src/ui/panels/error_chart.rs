@@ -2,6 +2,7 @@
 
 use super::accuracy::percent;
 use super::{Commands, Model};
+use crate::form_factors::ReceivingPoints;
 use crate::ui::command::Command;
 use crate::ui::runs::{Finished, nearest};
 use crate::ui::{theme, units};
@@ -204,11 +205,17 @@ fn describe(found: &Finished) -> String {
     let settings = &found.settings;
     let resolution = settings.resolution.unwrap_or_else(|| settings.method.default_resolution());
     let error = found.budget.map_or("-".to_owned(), |b| percent(b.total.error));
+    let points = match settings.points {
+        ReceivingPoints::Auto => String::new(),
+        fixed => format!(" at {} points", fixed.name()),
+    };
+    let refined = if settings.refinement.is_some() { ", finer where it was wrong" } else { "" };
     format!(
-        "{}: {} patches, {} {resolution}: {error} in {}",
+        "{}: {} patches{refined}, {} {resolution}{points}, tolerance {:e}: {error} in {}",
         found.scene,
         units::count(found.patches),
         settings.method.name(),
+        settings.tolerance,
         units::duration(found.seconds)
     )
 }

@@ -42,6 +42,8 @@ pub(super) struct Model<'a> {
     pub(super) light: &'a PatchLight,
     /// Where its power goes.
     pub(super) power: Power,
+    /// Seconds that it took last from the lamps' bases to the corners that are drawn.
+    pub(super) display_seconds: f64,
     /// Grows with every change of `light`.
     pub(super) light_version: u64,
     /// Their reflectance as solved for.

@@ -93,23 +93,39 @@ pub(in crate::ui) fn show(ui: &mut egui::Ui, model: &Model<'_>, out: &mut Comman
     ui.add_space(2.0);
     ui.add(egui::Label::new(RichText::new(change).small().color(theme::TEXT_WEAK)).truncate());
     ui.collapsing("Method and quality", |ui| settings(ui, &model.settings, out));
-    if let Some(plan) = &snapshot.plan
-        && !plan.decisions.is_empty()
-    {
-        ui.collapsing("Effects of this scene", |ui| {
-            for decision in &plan.decisions {
-                let on = plan.is_on(decision.effect);
-                let mut why =
-                    format!("{}\n{}\n{}", decision.reason, decision.evidence, decision.predicted_cost);
-                let mut state = if on { "on" } else { "off" }.to_owned();
-                if let Some(cost) = decision.measured.filter(|_| on) {
-                    let seconds = units::digits(cost.as_secs_f64());
-                    why += &format!("\nit took {seconds} s of this solve");
-                    state += &format!(", {seconds} s");
-                }
-                theme::row(ui, decision.effect.name(), state).on_hover_text(why);
+    ui.collapsing("What it cost", |ui| costs(ui, model));
+}
+
+/// Seconds by stage and by effect.
+fn costs(ui: &mut egui::Ui, model: &Model<'_>) {
+    let snapshot = model.snapshot;
+    let t = &snapshot.timings;
+    for (name, seconds, tip) in [
+        ("Meshing", t.mesh + t.plan, "Cutting surfaces into patches, and deciding effects"),
+        ("Rows", t.rows, "Form factors: what each patch sees of all others"),
+        ("Balancing", t.balance, "Making the rows reciprocal and closed"),
+        ("Sweeping", t.sweeps, "Gauss-Seidel, with the power balance before each sweep"),
+        ("Display", model.display_seconds, "From the lamps to the corners that are drawn, once"),
+    ] {
+        let told = if seconds > 0.0 { units::duration(seconds) } else { "-".to_owned() };
+        theme::row(ui, name, told).on_hover_text(tip);
+    }
+    let Some(plan) = snapshot.plan.as_ref().filter(|plan| !plan.decisions.is_empty()) else { return };
+    theme::group_title(ui, "Effects of this scene");
+    for decision in &plan.decisions {
+        let on = plan.is_on(decision.effect);
+        let mut why = format!("{}\n{}\n{}", decision.reason, decision.evidence, decision.predicted_cost);
+        let mut state = if on { "on" } else { "off" }.to_owned();
+        match decision.measured.filter(|_| on) {
+            Some(cost) if cost.is_zero() => why += "\nwithout it this solve would not have been faster",
+            Some(cost) => {
+                let took = units::duration(cost.as_secs_f64());
+                why += &format!("\nit took {took} of this solve");
+                state += &format!(", {took}");
             }
-        });
+            None => {}
+        }
+        theme::row(ui, decision.effect.name(), state).on_hover_text(why);
     }
 }
 
