@@ -399,6 +399,9 @@ impl Block {
             block.mean += mean;
             block.quality.push(quality);
         }
+        // Blocks stand beside the rows: room for more would be memory that others need.
+        block.columns.shrink_to_fit();
+        block.exchange.shrink_to_fit();
         block
     }
 }
