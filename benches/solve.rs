@@ -47,6 +47,7 @@ fn one_row(criterion: &mut Criterion) {
     let mut group = criterion.benchmark_group("one row, hemicube");
     group.sample_size(10).measurement_time(Duration::from_secs(2)).warm_up_time(Duration::from_millis(500));
     for (method, resolution) in [
+        (Method::Lines, 64),
         (Method::Lines, 96),
         (Method::Lines, 192),
         (Method::Lines, 384),

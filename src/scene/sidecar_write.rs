@@ -96,23 +96,36 @@ fn composed(sidecar: &Sidecar, existing: Option<&str>, file: &str) -> Result<Str
     Ok(new.to_string())
 }
 
-/// Gives the entries of `new` what stands before and behind those of the same name in `old`.
+/// Gives the entries of `new` what stands before and behind those of the same name in `old`; comments inside
+/// lists are not among that. Tables of an array belong together by their `name`, or by their place where the
+/// old one has none.
 fn keep_comments(old: &Table, new: &mut Table) {
     for (key, before) in old.iter() {
-        if let (Some(from), Some(mut to)) = (old.key(key), new.key_mut(key)) {
-            *to.leaf_decor_mut() = from.leaf_decor().clone();
-        }
         match (before, new.get_mut(key)) {
-            (Item::Value(before), Some(Item::Value(now))) => *now.decor_mut() = before.decor().clone(),
+            (Item::Value(before), Some(Item::Value(now))) => {
+                *now.decor_mut() = before.decor().clone();
+                if let (Some(from), Some(mut to)) = (old.key(key), new.key_mut(key)) {
+                    *to.leaf_decor_mut() = from.leaf_decor().clone();
+                }
+            }
             (Item::ArrayOfTables(before), Some(Item::ArrayOfTables(now))) => {
-                for (before, now) in before.iter().zip(now.iter_mut()) {
-                    *now.decor_mut() = before.decor().clone();
-                    keep_comments(before, now);
+                for (place, now) in now.iter_mut().enumerate() {
+                    let named =
+                        before.iter().find(|old| name_of(old).is_some() && name_of(old) == name_of(now));
+                    let unnamed = || before.get(place).filter(|old| name_of(old).is_none());
+                    if let Some(before) = named.or_else(unnamed) {
+                        *now.decor_mut() = before.decor().clone();
+                        keep_comments(before, now);
+                    }
                 }
             }
             _ => {}
         }
     }
+}
+
+fn name_of(table: &Table) -> Option<&str> {
+    table.get("name")?.as_str()
 }
 
 /// Writes the sidecar at `path`, keeping what [`sidecar_text`] keeps of the one that is there.
@@ -287,6 +300,24 @@ mod tests {
             text,
             "written twice, it is the same"
         );
+    }
+
+    #[test]
+    fn a_bookmark_keeps_its_comment_when_one_before_it_goes() {
+        let view = |name: &str| {
+            format!("# Of {name}.\n[[view]]\nname = \"{name}\"\neye = [1, 1, 1]\ntarget = [0, 0, 0]\n")
+        };
+        let noted = format!("{}{}", view("first"), view("second"));
+        let mut scene = from_text("t", OBJ, MTL, Some(&noted)).unwrap();
+        scene.views.remove(0);
+        let text = sidecar_text(&scene, &scene.lighting(), &[], Some(&noted)).unwrap();
+        assert!(text.contains("# Of second.\n[[view]]\nname = \"second\""), "{text}");
+        assert!(!text.contains("# Of first."), "{text}");
+        // Written as a list it becomes tables, and is read back.
+        let list = "# Views.\nview = [{ name = \"a\", eye = [1, 1, 1], target = [0, 0, 0] }]\n";
+        let scene = from_text("t", OBJ, MTL, Some(list)).unwrap();
+        let text = sidecar_text(&scene, &scene.lighting(), &[], Some(list)).unwrap();
+        assert!(from_text("t", OBJ, MTL, Some(&text)).is_ok_and(|s| s.views[0].name == "a"), "{text}");
     }
 
     #[test]

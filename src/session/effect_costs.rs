@@ -1,6 +1,6 @@
 //! What the effects of a solved scene cost, from its own timings.
 
-use super::{Prepared, Timings};
+use super::{Prepared, Solved, Timings};
 use crate::effects::{Effect, EffectPlan};
 use crate::mesh::Side;
 use crate::solver::columns_read;
@@ -17,7 +17,7 @@ const PROBES: usize = 12;
 /// - two-sided surfaces: the share of backs in the time of rows and sweeps.
 ///
 /// Textures and smooth surfaces take nothing from a solve: one is read while meshing, one at display.
-pub fn measured(prepared: &Prepared, lamps: usize, timings: &Timings) -> EffectPlan {
+pub(super) fn measured(prepared: &Prepared, lamps: usize, timings: &Timings) -> EffectPlan {
     let mut plan = (*prepared.plan).clone();
     let patches = prepared.mesh.patches.len().max(1);
     for effect in Effect::ALL.into_iter().filter(|&e| prepared.plan.is_on(e)) {
@@ -37,6 +37,12 @@ pub fn measured(prepared: &Prepared, lamps: usize, timings: &Timings) -> EffectP
         }
     }
     plan
+}
+
+/// The same of a finished solve.
+pub fn effect_costs(solved: &Solved) -> EffectPlan {
+    let Solved { scene, mesh, plan, computer, timings, .. } = solved.clone();
+    measured(&Prepared { scene, mesh, plan, computer, timings }, solved.bases.lamps, &timings)
 }
 
 /// The share of a row's time that finding what hides what takes, 0 to 1.

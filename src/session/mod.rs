@@ -1,12 +1,13 @@
 //! The background worker: requests in, immutable snapshots out. Knows neither GPU nor window.
 
 mod arriving;
-pub mod effect_costs;
+mod effect_costs;
 mod pipeline;
 mod recompute;
 mod threads;
 mod worker;
 
+pub use effect_costs::effect_costs;
 pub use pipeline::{
     Control, PipelineError, Prepared, Progress, Run, SolveSettings, Solved, Stage, Timings, available_bytes,
     patch_reflectance, prepare, solve, system,

@@ -370,12 +370,12 @@ impl<'a> Run<'a> {
         let computer = &prepared.computer;
         let mut left_to_compute = n - known.iter().flatten().count();
         let before = if left_to_compute < n { self.timings.rows } else { 0.0 };
+        let clock = self.clock();
         if left_to_compute == n {
             check_memory(computer, system)?;
             self.timings.first_light = 0.0;
         }
         known.resize(n, None);
-        let clock = self.clock();
         let mut arriving = Arriving::new(system, standing);
         let lamps: Vec<u32> = match arriving {
             Arriving::Shot(_) => {
@@ -506,6 +506,11 @@ const MOST_MEMORY: f64 = 0.9;
 fn check_memory(computer: &RowComputer, system: &System) -> Result<(), PipelineError> {
     let n = computer.mesh().patches.len();
     let Some(available) = available_bytes() else { return Ok(()) };
+    let columns = system.columns() as f64 * 60.0 + 400.0;
+    let all_pairs = n as f64 * (n as f64 * 8.0 * 3.0 + columns);
+    if all_pairs <= MOST_MEMORY * available {
+        return Ok(());
+    }
     let probes: Vec<u32> = (0..PROBES.min(n)).map(|k| (k * n / PROBES.min(n)) as u32).collect();
     let tried: Vec<[usize; 3]> = probes
         .par_iter()
@@ -525,7 +530,7 @@ fn check_memory(computer: &RowComputer, system: &System) -> Result<(), PipelineE
     let sum = |what: usize| tried.iter().map(|t| t[what]).sum::<usize>() as f64;
     let per_row = sum(0) / probes.len().max(1) as f64;
     let both = 2.0 - sum(2) / sum(1).max(1.0);
-    let needed = n as f64 * (per_row * 8.0 * (1.0 + 2.0 * both) + system.columns() as f64 * 60.0 + 400.0);
+    let needed = n as f64 * (per_row * 8.0 * (1.0 + 2.0 * both) + columns);
     if needed <= MOST_MEMORY * available {
         return Ok(());
     }

@@ -138,6 +138,7 @@ pub fn reach(
     // By how much smaller the next solve is to be than the time would allow.
     let mut share = 1.0;
     let mut obstacle = None;
+    let mut is_last = false;
 
     while attempts.len() < MOST_SOLVES {
         let settings = settings_of(next, goal, effects, refinement.clone());
@@ -244,17 +245,12 @@ pub fn reach(
                 match model.cheapest(aim(&model) * error * shortfall, limits) {
                     Some(fineness) if is_finer_than_last(&model, fineness) => next = model.towards(fineness),
                     // Out of reach; then for what can be had in a moderate time, once.
-                    _ if obstacle.is_none() => {
-                        let best = better_within(&model, CONSOLATION, limits);
-                        let Some(fineness) = best else {
-                            obstacle = Some(too_fine(&model, limits));
-                            break;
-                        };
+                    _ if !is_last => {
+                        obstacle = Some(too_fine(&model, limits));
+                        let Some(fineness) = better_within(&model, CONSOLATION, limits) else { break };
                         // On the way there a step in between tells where patches are needed.
                         next = model.towards(fineness);
-                        if next == fineness {
-                            obstacle = Some(too_fine(&model, limits));
-                        }
+                        is_last = next == fineness;
                     }
                     _ => {
                         obstacle = Some(too_fine(&model, limits));
@@ -268,11 +264,12 @@ pub fn reach(
             }
         }
     }
-    let Some((solved, settings, budget)) = best else { return Err(PipelineError::Cancelled) };
+    let Some((mut solved, settings, budget)) = best else { return Err(PipelineError::Cancelled) };
     let seconds = started.elapsed().as_secs_f64();
     // Said only of a solve without a budget, and that is the last one.
     let foreseen = model.measured().last().and_then(|m| model.error(m.fineness));
     let (met, verdict) = verdict(goal, budget.as_ref(), foreseen, seconds, obstacle);
+    solved.plan = Arc::new(effect_costs(&solved));
     Ok(Reached { solved, settings, budget, met, complete: true, verdict, attempts, model, seconds })
 }
 
@@ -502,8 +499,7 @@ fn solve_until(
     };
     match finished {
         Ok(((form_factors, assembled, bases, sweeps), timings)) => {
-            let plan = Arc::new(effect_costs::measured(&prepared, system.lamps, &timings));
-            let solved = Solved { sweeps, timings, plan, ..solved(form_factors, assembled, bases) };
+            let solved = Solved { sweeps, timings, ..solved(form_factors, assembled, bases) };
             Ok(Outcome::Whole(Box::new(solved)))
         }
         Err(PipelineError::Cancelled) if cancel.load(Ordering::Relaxed) && !cancelled_by_observer => {

@@ -86,9 +86,26 @@ pub(super) struct Auditor {
     /// The light as it stands, and since when.
     standing: Option<(Arc<LightBases>, Lighting, f64)>,
     job: Option<Job>,
-    /// Steps taken towards the goal since the user asked for it, and when that was.
-    steps: Option<u32>,
-    asked: Option<Instant>,
+    /// Whether `model` knows the picture on screen: it learns of solves by lines alone.
+    is_taught: bool,
+    /// The way to the goal, while it is gone.
+    way: Option<Way>,
+}
+
+/// The way to a goal.
+struct Way {
+    /// When the user asked for it.
+    since: Instant,
+    /// Solves asked for.
+    steps: u32,
+    /// The goal is out of reach, and the last of them is for what can be had in a moderate time.
+    is_last: bool,
+}
+
+impl Way {
+    fn new() -> Self {
+        Self { since: Instant::now(), steps: 0, is_last: false }
+    }
 }
 
 impl Default for Auditor {
@@ -109,8 +126,8 @@ impl Default for Auditor {
             seen: None,
             standing: None,
             job: None,
-            steps: None,
-            asked: None,
+            is_taught: false,
+            way: None,
         }
     }
 }
@@ -123,7 +140,7 @@ impl Auditor {
 
     /// Whether it is on its way to the goal.
     pub(super) fn is_reaching(&self) -> bool {
-        self.steps.is_some()
+        self.way.is_some()
     }
 
     /// Switches audits on or off.
@@ -132,7 +149,7 @@ impl Auditor {
         self.seen = None;
         if !on {
             self.job = None;
-            self.steps = None;
+            self.way = None;
         }
     }
 
@@ -143,9 +160,10 @@ impl Auditor {
         }
     }
 
-    /// Follows the solver, starts an audit once the light stands still, and takes up what one has
-    /// found. `light` is that of the picture on screen, if it is the snapshot's. Answers with settings to solve with, where the goal asks for them. `wake` asks for
-    /// another frame, from any thread; a number of seconds is how long until one is needed.
+    /// Follows the solver, starts an audit once the light stands still, and takes up what one has found.
+    /// `light` is that of the picture on screen, if it is the snapshot's. Answers with settings to solve with,
+    /// where the goal asks for them. `wake` asks for another frame, from any thread; a number of seconds is how
+    /// long until one is needed.
     pub(super) fn follow(
         &mut self,
         snapshot: &Snapshot,
@@ -168,7 +186,7 @@ impl Auditor {
             // What was found is of a light that is going, and of patches that may be gone.
             (self.budget, self.findings) = (None, None);
             if matches!(snapshot.stage, Stage::Stopped | Stage::Failed) {
-                self.steps = None;
+                self.way = None;
             }
             return (None, None);
         };
@@ -185,12 +203,16 @@ impl Auditor {
             |(b, l, _): &(Arc<LightBases>, Lighting, f64)| Arc::ptr_eq(b, &bases) && l == lighting;
         if !self.standing.as_ref().is_some_and(unchanged) {
             // A lamp or the solver moved: what was found is of another light.
-            if self.standing.as_ref().is_none_or(|s| !Arc::ptr_eq(&s.0, &bases)) {
+            let is_solved = self.standing.as_ref().is_none_or(|s| !Arc::ptr_eq(&s.0, &bases));
+            if is_solved {
                 self.runs.note(snapshot);
             }
             (self.budget, self.findings) = (None, None);
             self.is_dark = false;
-            self.standing = Some((bases.clone(), lighting.clone(), time));
+            // What the goal had solved is waited for: its time counts.
+            let settled = is_solved && self.is_reaching();
+            let since = if settled { time - SETTLED_SECS } else { time };
+            self.standing = Some((bases.clone(), lighting.clone(), since));
         }
         let since = self.standing.as_ref().map_or(time, |s| s.2);
         if !self.on {
@@ -268,19 +290,26 @@ impl Auditor {
             Err(TryRecvError::Disconnected) => None,
         };
         self.job = None;
-        self.is_dark = answer.is_none();
+        let is_reaching = self.is_reaching();
+        self.is_dark = answer.is_none() && !is_reaching;
         let overhead = answer.as_ref().and_then(|a| a.overhead);
         let (findings, refinement) = answer.map(|a| (a.findings, a.refinement)).unzip();
         (self.findings, self.refinement) = (findings.map(Arc::new), refinement.map(Arc::new));
         self.budget = self.findings.as_ref().map(|found| found.budget);
-        let budget = self.budget?;
+        let Some(budget) = self.budget else {
+            if is_reaching {
+                self.end(format!("{:.1} s, with no light or no time left to check it", self.elapsed()));
+            }
+            return None;
+        };
         self.runs.checked(budget);
         let solved = snapshot.solved()?;
         let settings = &snapshot.settings;
         let known = self.model.measured().last().map(|m| m.overhead);
+        self.is_taught = lines_of(settings).is_some();
         if let (Some(lines), Some(overhead)) = (lines_of(settings), overhead.or(known)) {
             let patches = solved.mesh.patches.len() as f64;
-            if let PatchTarget::Count(wanted) = settings.patches
+            if let (PatchTarget::Count(wanted), None) = (settings.patches, &settings.refinement)
                 && patches > study::COARSEST * wanted as f64
             {
                 self.limits.fewest = patches;
@@ -293,21 +322,22 @@ impl Auditor {
 
     /// The next solve towards the goal, if one is asked for and the last was not enough.
     fn step(&mut self, budget: &ErrorBudget, now: &SolveSettings) -> Option<SolveSettings> {
-        let steps = self.steps?;
+        let (steps, is_last) = self.way.as_ref().map(|way| (way.steps, way.is_last))?;
         let error = format!("{:.2} %", 100.0 * budget.total.error);
+        let mut will_be_last = is_last;
         let wanted = match self.goal {
             Goal::Error(asked) => {
                 if budget.total.error <= asked {
-                    return self.end(format!("Reached: {error}"));
+                    self.end(format!("Reached: {error}"));
+                    return None;
                 }
-                let promised = self
-                    .model
-                    .cheapest(study::aim(&self.model) * asked, self.limits)
-                    .map(|f| self.model.towards(f));
+                let promised = self.model.cheapest(study::aim(&self.model) * asked, self.limits);
                 // Out of reach; once, then, for what can be had in a moderate time.
-                promised.or_else(|| {
-                    self.model.best_within(study::CONSOLATION, self.limits).filter(|_| steps == 0)
-                })
+                let moderate = || study::better_within(&self.model, study::CONSOLATION, self.limits);
+                let far = promised.or_else(|| moderate().filter(|_| !is_last));
+                let next = far.map(|f| self.model.towards(f));
+                will_be_last |= promised.is_none() && next == far;
+                next
             }
             Goal::Seconds(seconds) => {
                 let elapsed = self.elapsed();
@@ -319,43 +349,48 @@ impl Auditor {
                     if better.is_none() || steps >= MOST_STEPS {
                         let over = elapsed - seconds;
                         let over = if over > 0.0 { format!(", {over:.1} s too many") } else { String::new() };
-                        return self.end(format!("{error} in {elapsed:.1} of {seconds:.1} s{over}"));
+                        self.end(format!("{error} in {elapsed:.1} of {seconds:.1} s{over}"));
+                        return None;
                     }
                     better
                 }
             }
         };
         let Some(fineness) = wanted.filter(|_| steps < MOST_STEPS) else {
-            return self.end(match self.goal {
+            self.end(match self.goal {
                 _ if wanted.is_some() => format!("Not reached in {MOST_STEPS} solves; it may be in more"),
-                Goal::Error(_) => "Out of reach: the mesh would outgrow the memory".to_owned(),
+                Goal::Error(_) => "Out of reach: no mesh that fits into memory promises it".to_owned(),
                 Goal::Seconds(_) => "No solve of this scene is so short".to_owned(),
             });
+            return None;
         };
         let settings = study::settings_of(fineness, self.goal, &now.effects, self.refinement.clone());
         if settings == *now {
-            return self.end("This is the best choice already".to_owned());
+            self.end("This is the best choice already".to_owned());
+            return None;
         }
-        self.steps = Some(steps + 1);
+        if let Some(way) = &mut self.way {
+            (way.steps, way.is_last) = (steps + 1, will_be_last);
+        }
         Some(settings)
     }
 
     /// The way to the goal ends, with these words.
-    fn end(&mut self, verdict: String) -> Option<SolveSettings> {
-        (self.steps, self.asked, self.verdict) = (None, None, verdict);
-        None
+    fn end(&mut self, verdict: String) {
+        (self.way, self.verdict) = (None, verdict);
     }
 
     /// Seconds since the user asked for the goal.
     fn elapsed(&self) -> f64 {
-        self.asked.map_or(0.0, |asked| asked.elapsed().as_secs_f64())
+        self.way.as_ref().map_or(0.0, |way| way.since.elapsed().as_secs_f64())
     }
 
     /// Begins to solve towards the goal: settings for the first step, where the light is known.
     pub(super) fn reach(&mut self, now: &SolveSettings) -> Option<SolveSettings> {
         self.verdict.clear();
         self.on = true;
-        (self.steps, self.asked) = (Some(0), Some(Instant::now()));
+        self.way = Some(Way::new());
+        self.limits.gigabytes = study::memory();
         match self.budget {
             Some(budget) => self.step(&budget, now),
             None => None,
@@ -426,7 +461,7 @@ impl Auditor {
         let solver = budget.solver.estimate.error;
         Some(if solver >= form_factors.max(mesh) {
             "further sweeps"
-        } else if self.model.asks_for_patches().unwrap_or(mesh >= form_factors) {
+        } else if self.model.asks_for_patches().filter(|_| self.is_taught).unwrap_or(mesh >= form_factors) {
             "smaller patches"
         } else {
             "more lines a row"
@@ -492,9 +527,24 @@ mod tests {
     #[test]
     fn what_is_out_of_reach_is_tried_once() {
         let mut auditor = auditor(0.3, 0.8);
-        let first = auditor.reach(&SolveSettings::default()).unwrap();
-        assert!(auditor.is_reaching());
-        assert_eq!(auditor.step(&budget(0.2, 0.4), &first), None);
+        auditor.limits.gigabytes = 4.0;
+        let mut next = auditor.reach(&SolveSettings::default());
+        auditor.limits.gigabytes = 4.0;
+        let (mut steps, mut error) = (0, 0.8);
+        while let Some(settings) = next {
+            let PatchTarget::Count(patches) = settings.patches else { panic!("{settings:?}") };
+            let (patches, lines) = (patches as f64, f64::from(settings.resolution.unwrap()));
+            let pairs = (patches / 1000.0).powi(2);
+            error *= 0.6;
+            auditor.model.learn(Measured {
+                timings: Timings { rows: 0.3 * pairs, sweeps: 0.1 * pairs, ..Timings::default() },
+                entries: 3e5 * pairs,
+                ..Measured::example(patches, lines, [0.3 * error, error])
+            });
+            steps += 1;
+            next = auditor.step(&budget(0.3 * error, error), &settings);
+        }
+        assert!((1..=3).contains(&steps), "{steps} solves for what is out of reach");
         assert!(!auditor.is_reaching() && auditor.verdict.starts_with("Out of reach"), "{}", auditor.verdict);
     }
 
@@ -506,7 +556,7 @@ mod tests {
             SolveSettings { tolerance: 1e-2, points: ReceivingPoints::Four, ..SolveSettings::default() };
         let first = auditor.reach(&coarse).unwrap();
         assert!(first.tolerance <= 0.1 * 0.01 && first.points == ReceivingPoints::Auto, "{first:?}");
-        auditor.steps = Some(MOST_STEPS);
+        auditor.way = Some(Way { steps: MOST_STEPS, ..Way::new() });
         assert_eq!(auditor.step(&budget(0.01, 0.04), &first), None);
         assert!(!auditor.is_reaching() && auditor.verdict.starts_with("Not reached"), "{}", auditor.verdict);
     }
@@ -545,7 +595,7 @@ mod tests {
         let refinement = Refinement::default();
         sender.send(Some(Checked { findings, refinement, overhead: None })).unwrap();
         auditor.seen = Some((bases.clone(), lighting.clone()));
-        auditor.steps = Some(0);
+        auditor.way = Some(Way::new());
         auditor.job = Some(Job { bases, lighting: lighting.clone(), cancel: Arc::default(), answer });
         auditor
     }

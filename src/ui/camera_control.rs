@@ -142,7 +142,7 @@ impl CameraControl {
         let feet = pose.eye - self.up * self.eyes;
         self.footing = Footing { feet, fall_speed: 0.0, grounded: false };
         self.travel = None;
-        self.at_bookmark = true;
+        (self.at_bookmark, self.land) = (true, false);
         self.settled = false;
     }
 

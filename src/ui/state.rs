@@ -240,7 +240,7 @@ pub struct DisplaySettings {
 
 impl DisplaySettings {
     /// The same with another quantity. Its range is free, for one pinned in lux means nothing in cd/m²,
-    /// unless one was pinned for it before; what spans decades is shown in even factors.
+    /// unless the one pinned last was its own; what spans decades is shown in even factors.
     #[must_use]
     pub fn showing(self, quantity: Quantity) -> Self {
         let logarithmic = match (self.quantity.spans_decades(), quantity.spans_decades()) {

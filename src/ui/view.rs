@@ -310,7 +310,12 @@ impl App {
             overlay::readout(ui, rect, &model, pick, light);
         }
         let lamps = &self.edits.lighting.lamps;
-        let is_dark = !lamps.is_empty() && !lamps.iter().any(|lamp| lamp.on && lamp.dimmer > 0.0);
+        let shows_light = quantity == Quantity::Picture || quantity.follows_light();
+        let is_dark = !lamps.is_empty()
+            && lamps.iter().all(|lamp| !lamp.on)
+            && shows_light
+            && self.split().is_none()
+            && !self.help_open;
         if self.picture.prepared.is_none() {
             let text = match self.snapshot.stage {
                 Stage::Idle if !self.picture.is_building() => {
