@@ -2,14 +2,16 @@
 
 mod arriving;
 mod effect_costs;
+mod memory;
 mod pipeline;
 mod recompute;
 mod threads;
 mod worker;
 
 pub use effect_costs::effect_costs;
+pub use memory::available_bytes;
 pub use pipeline::{
-    Control, PipelineError, Prepared, Progress, Run, SolveSettings, Solved, Stage, Timings, available_bytes,
+    Control, PipelineError, Prepared, Progress, Run, SolveSettings, Solved, Stage, Timings,
     patch_reflectance, prepare, solve, system,
 };
 pub use worker::{MaterialEdit, Session, Snapshot};

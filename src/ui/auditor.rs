@@ -1,5 +1,6 @@
 //! Finds out in the background how wrong the picture is, and keeps what solves cost.
 
+use super::reaching::Way;
 use super::runs::{Finished, Runs};
 use crate::accuracy::{AuditSettings, ErrorBudget, Findings};
 use crate::display::NO_VALUE;
@@ -12,14 +13,11 @@ use crate::study::{self, CostModel, Fineness, Goal, Limits, Measured};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{Receiver, TryRecvError, channel};
 use std::sync::{Arc, Weak};
-use std::time::Instant;
 
 /// A light that stands for this long is worth checking, seconds.
 const SETTLED_SECS: f64 = 0.6;
 /// Audits run on one thread, for no longer than this.
 const AUDIT_SECS: f64 = 8.0;
-/// Solves that are made to come nearer to a goal before it is given up.
-const MOST_STEPS: u32 = 5;
 /// Points of the predicted curve.
 const CURVE: usize = 24;
 
@@ -76,10 +74,10 @@ pub(super) struct Auditor {
     pub(super) curve: Vec<[f64; 2]>,
     /// Why the goal was given up, or that it was reached.
     pub(super) verdict: String,
-    model: CostModel,
-    limits: Limits,
+    pub(super) model: CostModel,
+    pub(super) limits: Limits,
     /// Where the last check would have patches smaller.
-    refinement: Option<Arc<Refinement>>,
+    pub(super) refinement: Option<Arc<Refinement>>,
     scene: Weak<Scene>,
     /// What was audited last, or is being audited.
     seen: Option<(Arc<LightBases>, Lighting)>,
@@ -89,23 +87,7 @@ pub(super) struct Auditor {
     /// Whether `model` knows the picture on screen: it learns of solves by lines alone.
     is_taught: bool,
     /// The way to the goal, while it is gone.
-    way: Option<Way>,
-}
-
-/// The way to a goal.
-struct Way {
-    /// When the user asked for it.
-    since: Instant,
-    /// Solves asked for.
-    steps: u32,
-    /// The goal is out of reach, and the last of them is for what can be had in a moderate time.
-    is_last: bool,
-}
-
-impl Way {
-    fn new() -> Self {
-        Self { since: Instant::now(), steps: 0, is_last: false }
-    }
+    pub(super) way: Option<Way>,
 }
 
 impl Default for Auditor {
@@ -320,83 +302,6 @@ impl Auditor {
         self.step(&budget, settings)
     }
 
-    /// The next solve towards the goal, if one is asked for and the last was not enough.
-    fn step(&mut self, budget: &ErrorBudget, now: &SolveSettings) -> Option<SolveSettings> {
-        let (steps, is_last) = self.way.as_ref().map(|way| (way.steps, way.is_last))?;
-        let error = format!("{:.2} %", 100.0 * budget.total.error);
-        let mut will_be_last = is_last;
-        let wanted = match self.goal {
-            Goal::Error(asked) => {
-                if budget.total.error <= asked {
-                    self.end(format!("Reached: {error}"));
-                    return None;
-                }
-                let promised = self.model.cheapest(study::aim(&self.model) * asked, self.limits);
-                // Out of reach; once, then, for what can be had in a moderate time.
-                let moderate = || study::better_within(&self.model, study::CONSOLATION, self.limits);
-                let far = promised.or_else(|| moderate().filter(|_| !is_last));
-                let next = far.map(|f| self.model.towards(f));
-                will_be_last |= promised.is_none() && next == far;
-                next
-            }
-            Goal::Seconds(seconds) => {
-                let elapsed = self.elapsed();
-                let left = study::TIME_AIM * (seconds - elapsed);
-                if steps == 0 {
-                    self.model.best_within(left, self.limits)
-                } else {
-                    let better = study::better_within(&self.model, left, self.limits);
-                    if better.is_none() || steps >= MOST_STEPS {
-                        let over = elapsed - seconds;
-                        let over = if over > 0.0 { format!(", {over:.1} s too many") } else { String::new() };
-                        self.end(format!("{error} in {elapsed:.1} of {seconds:.1} s{over}"));
-                        return None;
-                    }
-                    better
-                }
-            }
-        };
-        let Some(fineness) = wanted.filter(|_| steps < MOST_STEPS) else {
-            self.end(match self.goal {
-                _ if wanted.is_some() => format!("Not reached in {MOST_STEPS} solves; it may be in more"),
-                Goal::Error(_) => "Out of reach: no mesh that fits into memory promises it".to_owned(),
-                Goal::Seconds(_) => "No solve of this scene is so short".to_owned(),
-            });
-            return None;
-        };
-        let settings = study::settings_of(fineness, self.goal, &now.effects, self.refinement.clone());
-        if settings == *now {
-            self.end("This is the best choice already".to_owned());
-            return None;
-        }
-        if let Some(way) = &mut self.way {
-            (way.steps, way.is_last) = (steps + 1, will_be_last);
-        }
-        Some(settings)
-    }
-
-    /// The way to the goal ends, with these words.
-    fn end(&mut self, verdict: String) {
-        (self.way, self.verdict) = (None, verdict);
-    }
-
-    /// Seconds since the user asked for the goal.
-    fn elapsed(&self) -> f64 {
-        self.way.as_ref().map_or(0.0, |way| way.since.elapsed().as_secs_f64())
-    }
-
-    /// Begins to solve towards the goal: settings for the first step, where the light is known.
-    pub(super) fn reach(&mut self, now: &SolveSettings) -> Option<SolveSettings> {
-        self.verdict.clear();
-        self.on = true;
-        self.way = Some(Way::new());
-        self.limits.gigabytes = study::memory();
-        match self.budget {
-            Some(budget) => self.step(&budget, now),
-            None => None,
-        }
-    }
-
     fn draw_curve(&mut self) {
         let Some(last) = self.model.measured().last() else { return };
         let now = last.timings.solve();
@@ -476,14 +381,12 @@ fn lines_of(settings: &SolveSettings) -> Option<u32> {
 }
 
 #[cfg(test)]
-mod tests {
+pub(super) mod tests {
     use super::*;
     use crate::accuracy::Estimate;
-    use crate::form_factors::ReceivingPoints;
-    use crate::mesh::PatchTarget;
     use crate::session::{Control, Timings, solve};
 
-    fn budget(form_factors: f64, mesh: f64) -> ErrorBudget {
+    pub(in crate::ui) fn budget(form_factors: f64, mesh: f64) -> ErrorBudget {
         let estimate = |error: f64| Estimate { error, low: 0.9 * error, high: 1.1 * error };
         ErrorBudget {
             form_factors: estimate(form_factors),
@@ -493,7 +396,7 @@ mod tests {
         }
     }
 
-    fn auditor(form_factors: f64, mesh: f64) -> Auditor {
+    pub(in crate::ui) fn auditor(form_factors: f64, mesh: f64) -> Auditor {
         let mut auditor = Auditor { budget: Some(budget(form_factors, mesh)), ..Auditor::default() };
         auditor.model.learn(Measured {
             timings: Timings { rows: 0.3, sweeps: 0.1, ..Timings::default() },
@@ -510,55 +413,6 @@ mod tests {
         assert!(told.starts_with("3 % in about ") && told.contains(", 2 % in about "), "{told}");
         assert_eq!(auditor.advice(), Some("smaller patches"));
         assert_eq!(Auditor::default().foresight(), None);
-    }
-
-    #[test]
-    fn a_goal_is_walked_to_and_ends_when_it_is_reached() {
-        let mut auditor = auditor(0.01, 0.04);
-        let now = SolveSettings::default();
-        let first = auditor.reach(&now).unwrap();
-        assert!(auditor.is_reaching());
-        let PatchTarget::Count(patches) = first.patches else { panic!("{first:?}") };
-        assert!(patches > 1000);
-        assert_eq!(auditor.step(&budget(0.002, 0.005), &first), None);
-        assert!(!auditor.is_reaching() && auditor.verdict.starts_with("Reached"), "{}", auditor.verdict);
-    }
-
-    #[test]
-    fn what_is_out_of_reach_is_tried_once() {
-        let mut auditor = auditor(0.3, 0.8);
-        auditor.limits.gigabytes = 4.0;
-        let mut next = auditor.reach(&SolveSettings::default());
-        auditor.limits.gigabytes = 4.0;
-        let (mut steps, mut error) = (0, 0.8);
-        while let Some(settings) = next {
-            let PatchTarget::Count(patches) = settings.patches else { panic!("{settings:?}") };
-            let (patches, lines) = (patches as f64, f64::from(settings.resolution.unwrap()));
-            let pairs = (patches / 1000.0).powi(2);
-            error *= 0.6;
-            auditor.model.learn(Measured {
-                timings: Timings { rows: 0.3 * pairs, sweeps: 0.1 * pairs, ..Timings::default() },
-                entries: 3e5 * pairs,
-                ..Measured::example(patches, lines, [0.3 * error, error])
-            });
-            steps += 1;
-            next = auditor.step(&budget(0.3 * error, error), &settings);
-        }
-        assert!((1..=3).contains(&steps), "{steps} solves for what is out of reach");
-        assert!(!auditor.is_reaching() && auditor.verdict.starts_with("Out of reach"), "{}", auditor.verdict);
-    }
-
-    #[test]
-    fn steps_that_ran_out_are_no_lack_of_memory_and_sweeps_never_hold_a_goal_up() {
-        let mut auditor = auditor(0.01, 0.04);
-        auditor.goal = Goal::Error(0.01);
-        let coarse =
-            SolveSettings { tolerance: 1e-2, points: ReceivingPoints::Four, ..SolveSettings::default() };
-        let first = auditor.reach(&coarse).unwrap();
-        assert!(first.tolerance <= 0.1 * 0.01 && first.points == ReceivingPoints::Auto, "{first:?}");
-        auditor.way = Some(Way { steps: MOST_STEPS, ..Way::new() });
-        assert_eq!(auditor.step(&budget(0.01, 0.04), &first), None);
-        assert!(!auditor.is_reaching() && auditor.verdict.starts_with("Not reached"), "{}", auditor.verdict);
     }
 
     /// A coarse light that has converged.

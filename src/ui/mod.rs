@@ -30,6 +30,7 @@ mod overlay;
 mod panels;
 mod path_dialog;
 mod picture;
+mod reaching;
 mod reclaim;
 mod recovery;
 mod runs;
