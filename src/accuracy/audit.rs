@@ -286,10 +286,13 @@ impl<'a> Audit<'a> {
             batch += 1;
             let total = self.estimate(&found, |f| f.total);
             let width = total.relative_half_width();
-            // Places that were missed would only make an error larger that is too large already.
-            let is_above = settings.decide.is_some_and(|d| total.low > d) && found.len() >= INFORMED_FROM;
+            // Places that were missed would only make an error larger that is too large already; where it may
+            // just be too large, another solve costs less than certainty.
+            let is_above = settings.decide.is_some_and(|d| {
+                found.len() >= INFORMED_FROM && total.low > d || found.len() >= DECISIVE && total.error > d
+            });
             let enough = settings.decide.is_none() || is_above || found.len() >= DECISIVE;
-            let decided = width < LOOSE && settings.decide.is_some_and(|d| total.low > d || total.high < d);
+            let decided = width < LOOSE && (is_above || settings.decide.is_some_and(|d| total.high < d));
             let factors = || self.estimate(&found, |f| f.form_factors);
             let known =
                 |e: Estimate| e.relative_half_width() < settings.precision || e.high < settings.resolve;
