@@ -347,7 +347,7 @@ fn verdict(
             let range =
                 format!("{} ({} to {})", percent(error), percent(found.total.low), percent(found.total.high));
             if error <= asked {
-                // Told rather than spent: to bring the whole interval below takes a third more patches.
+                // Goals are about the estimate; that it is uncertain is told.
                 let unsure = if found.total.high > asked { "; the interval reaches beyond" } else { "" };
                 (true, format!("error {range}, as asked for{unsure}"))
             } else {
