@@ -477,18 +477,20 @@ fn times_are_foreseen_within_a_factor_of_1_3() {
             let how = |patches, lines| settings(PatchTarget::Count(patches), Method::Lines, lines);
             let first = timed(&scene, &how(800, 48));
             let mut model = study::CostModel::default();
-            let overhead = study::row_overhead(&first, 48);
-            model.learn(study::Measured::of(&first, 48, overhead, None));
+            let pace = study::pace(&first, 48);
+            model.learn(study::Measured::of(&first, 48, pace, None));
             println!(
-                "{name}: {} patches first, {:.2} s, rows with an overhead of {overhead:.0} lines",
+                "{name}: {} patches first, {:.2} s, rows with an overhead of {:.0} lines, {:.2} ns a gathering",
                 first.mesh.patches.len(),
-                first.timings.solve()
+                first.timings.solve(),
+                pace.overhead,
+                1e9 * pace.gathering
             );
             for (patches, lines) in RUNS {
                 let how = how(patches, lines);
                 let (wall, before) = (std::time::Instant::now(), thread_seconds());
                 let mut prepared = lumenwalk::session::prepare(scene.clone(), &how).expect("meshed");
-                let mut trial = study::trial(&prepared);
+                let mut trial = study::trial(&prepared, lines);
                 let share = computing_share(wall, before);
                 trial.rows *= share;
                 prepared.timings.mesh *= share;

@@ -1,6 +1,6 @@
 //! What a solve will cost and how wrong it will be, from solves that were measured.
 
-use super::trial::Trial;
+use super::trial::{Pace, Trial};
 use crate::accuracy::ErrorBudget;
 use crate::form_factors::RowComputer;
 use crate::session::{Prepared, Solved, Timings};
@@ -25,8 +25,8 @@ pub struct Measured {
     pub entries: f64,
     /// Right-hand sides: bands of each lamp.
     pub columns: f64,
-    /// What one row costs besides its lines, as lines; see [`super::row_overhead`].
-    pub overhead: f64,
+    /// What work costs on this machine.
+    pub pace: Pace,
     /// Share of the rows that were gathered at several points.
     pub shadowed: f64,
     /// Form factors and visibility, relative.
@@ -42,9 +42,9 @@ pub struct Measured {
 /// Rows cost by their lines, with an overhead that is tried out and more where shadows' edges take several
 /// points, and a little by how many patches a line
 /// crosses. Form factors grow with the square of the patches, as far as lines find them. Balancing them
-/// and sweeping costs by their number; on top of that come close pairs, by the number of patches, and the
-/// power balance, by the pairs of its parts. The shares are those of benches; how fast this machine is
-/// and how many close pairs a scene has follows from the solves measured. Errors fall by powers: those of
+/// and sweeping costs by their number, as gatherings over one, whose time is measured on the machine; on top
+/// of that come close pairs, as many as the scene was seen to have, and the power balance, by the pairs of its
+/// parts and the cube of their number once joined. Errors fall by powers: those of
 /// form factors with lines and patches, that of the mesh with patches, its power fitted where two
 /// audits tell it.
 #[derive(Clone, Debug, Default)]
@@ -52,25 +52,24 @@ pub struct CostModel {
     measured: Vec<Measured>,
 }
 
-/// Power of the patches in the cost of a row and of a mesh.
-const ROW_GROWTH: f64 = 0.33;
-const MESH_GROWTH: f64 = 0.5;
+/// Power of the patches in the cost of a row.
+const ROW_GROWTH: f64 = 0.2;
 /// Of the pairs that see each other lines find 1 - exp(-this times lines over the root of the patches):
 /// fitted to six meshes of two scenes, within 5 %.
 const FOUND: f64 = 1.5;
-/// Seconds a form factor on the machine of the benches: balancing it; sweeping it for no column and for
-/// each further one; once more where the power balance is built of it.
-const BALANCE: f64 = 5.5e-8;
-const SWEEPS: [f64; 2] = [7e-9, 4e-9];
-const AGGREGATE: f64 = 1.6e-7;
-/// Form factors stored over those that rows hold: seen in six meshes of two scenes.
-const BOTH: f64 = 1.15;
+/// What work costs, as gatherings over one form factor: meshing a patch; balancing a form factor; sweeping it,
+/// for each column; building the power balance of it where each patch is a part; and factoring that, times the
+/// cube of its aggregates. Fitted to 28 solves of the embedded scenes.
+const MESH: f64 = 13_500.0;
+const BALANCE: f64 = 80.0;
+const SWEEPS: f64 = 6.7;
+const AGGREGATE: f64 = 80.0;
+const FACTORS: f64 = 0.4;
 /// Bytes that each takes while they are assembled, rows and blocks included: 20 in the house at 65,536 patches.
 const BYTES: f64 = 22.0;
-/// Patches up to which each is a part of the power balance by itself, and about how many parts there
-/// are beyond.
-const ALL_PARTS: f64 = 2048.0;
+/// Parts of the power balance at most, about, and aggregates that they are joined to.
 const PARTS: f64 = 1200.0;
+const AGGREGATES: [f64; 2] = [384.0, 512.0];
 /// Powers by which errors fall. That of the mesh is of solves whose patches go where the check of the one
 /// before found errors: 0.82 and 0.87 in two scenes from the first step to the second; equal patches have 0.6.
 const BY_LINES: f64 = 1.1;
@@ -81,17 +80,22 @@ const APART: f64 = 2.5;
 /// More patches than this times those measured are far: on the way there lies a step, apart enough.
 const FAR: f64 = 7.0;
 
+/// Of the pairs of patches that see each other the part that the lines of one of them find.
+fn found(fineness: Fineness) -> f64 {
+    1.0 - (-FOUND * fineness.lines / fineness.patches.sqrt()).exp()
+}
+
 impl Measured {
-    /// Of a finished solve by lines, with the `overhead` of its rows and its budget; errors unknown
+    /// Of a finished solve by lines, with the pace of the machine and its budget; errors unknown
     /// without one.
-    pub fn of(solved: &Solved, lines: u32, overhead: f64, budget: Option<&ErrorBudget>) -> Self {
+    pub fn of(solved: &Solved, lines: u32, pace: Pace, budget: Option<&ErrorBudget>) -> Self {
         let error = |of: &dyn Fn(&ErrorBudget) -> f64| budget.map_or(f64::NAN, of);
         Self {
             fineness: Fineness { patches: solved.mesh.patches.len() as f64, lines: f64::from(lines) },
             timings: solved.timings,
             entries: solved.form_factors.entries() as f64,
             columns: (solved.bases.lamps * solved.bases.bands) as f64,
-            overhead,
+            pace,
             shadowed: solved.assembled.several_points as f64 / solved.mesh.patches.len().max(1) as f64,
             form_factors: error(&|b| b.form_factors.error),
             mesh: error(&|b| b.mesh.error),
@@ -99,16 +103,17 @@ impl Measured {
         }
     }
 
-    /// Seconds of the power balance and the sweeps on the machine of the benches.
+    /// The power balance and the sweeps of so many form factors, as gatherings over one.
     fn nominal_sweeps(&self, patches: f64, entries: f64) -> f64 {
-        let parts = if patches <= ALL_PARTS { 1.0 } else { (PARTS / patches).powi(2) };
-        AGGREGATE * entries * parts + (SWEEPS[0] + SWEEPS[1] * self.columns) * entries
+        let parts = (PARTS / patches).min(1.0).powi(2);
+        let aggregates = (patches / 6.0).clamp(AGGREGATES[0], AGGREGATES[1]).min(patches);
+        (AGGREGATE * parts + SWEEPS * self.columns) * entries + FACTORS * aggregates.powi(3)
     }
 
     /// What a row by so many lines costs in the mean, as lines.
     fn row(&self, lines: f64) -> f64 {
         let several = RowComputer::shadowed_lines(lines as u32);
-        (lines + self.overhead) * (1.0 + self.shadowed * (several - 1.0))
+        (lines + self.pace.overhead) * (1.0 + self.shadowed * (several - 1.0))
     }
 
     fn is_audited(&self) -> bool {
@@ -133,8 +138,9 @@ impl CostModel {
         let patches = wanted.patches / base.fineness.patches;
         let lines = base.row(wanted.lines) / base.row(base.fineness.lines);
         let t = &base.timings;
+        let further = base.pace.gathering * MESH * (wanted.patches - base.fineness.patches);
         Some(
-            (t.mesh + t.plan) * patches.powf(MESH_GROWTH)
+            (t.mesh + t.plan + further).max(0.0)
                 + t.rows * patches.powf(1.0 + ROW_GROWTH) * lines
                 + self.rest(wanted.patches, self.entries(wanted)?)?,
         )
@@ -143,21 +149,20 @@ impl CostModel {
     /// Form factors of a solve of this fineness.
     fn entries(&self, wanted: Fineness) -> Option<f64> {
         let base = self.measured.last()?;
-        let found = |f: &Fineness| 1.0 - (-FOUND * f.lines / f.patches.sqrt()).exp();
         let growth = (wanted.patches / base.fineness.patches).powi(2);
-        Some(base.entries * growth * found(&wanted) / found(&base.fineness))
+        Some(base.entries * growth * found(wanted) / found(base.fineness))
     }
 
     /// Seconds of balancing and sweeping so many form factors of so many patches.
     fn rest(&self, patches: f64, entries: f64) -> Option<f64> {
         let base = self.measured.last()?;
-        let of_base = base.nominal_sweeps(base.fineness.patches, base.entries);
-        // Sweeps depend on nothing but sizes, and tell how fast the machine is.
-        let pace = base.timings.sweeps / of_base.max(f64::MIN_POSITIVE);
-        let close = (base.timings.balance - pace * BALANCE * base.entries).max(0.0);
-        let sweeps = pace * base.nominal_sweeps(patches, entries);
         // Finer patches have more close pairs, but smaller ones, which are close to fewer.
-        Some(sweeps + pace * BALANCE * entries + close)
+        let of_factors = base.timings.balance.min(base.pace.gathering * BALANCE * base.entries);
+        let close = base.timings.balance - of_factors;
+        let balance = of_factors * entries / base.entries.max(1.0) + close;
+        let sweeps = base.nominal_sweeps(patches, entries);
+        let of_base = base.nominal_sweeps(base.fineness.patches, base.entries).max(f64::MIN_POSITIVE);
+        Some(base.timings.sweeps * sweeps / of_base + balance)
     }
 
     /// Seconds of a solve that is meshed already, of which some rows were tried; `None` before the first
@@ -165,8 +170,9 @@ impl CostModel {
     pub fn seconds_of(&self, prepared: &Prepared, trial: &Trial) -> Option<f64> {
         let patches = prepared.mesh.patches.len() as f64;
         let done = prepared.timings.mesh + prepared.timings.plan;
-        // Pairs that only one of the two sees are stored for both.
-        Some(done + trial.rows + self.rest(patches, BOTH * trial.entries)?)
+        // Pairs that only one of the two finds are stored for both: of all 1 - (1 - p)² for p.
+        let both = 2.0 - found(Fineness { patches, lines: f64::from(trial.lines) });
+        Some(done + trial.rows + self.rest(patches, both * trial.entries)?)
     }
 
     /// Gigabytes that the form factors of a solve of this fineness need while they are assembled; `None`
@@ -279,7 +285,7 @@ impl Measured {
             timings: Timings { rows: 1.0, balance: 0.5, sweeps: 0.5, ..Timings::default() },
             entries: 1e6,
             columns: 3.0,
-            overhead: 24.0,
+            pace: Pace { overhead: 24.0, gathering: 1e-9 },
             shadowed: 0.0,
             form_factors,
             mesh,
@@ -318,7 +324,7 @@ mod tests {
         assert!(at(1000.0, 128.0) > at(1000.0, 64.0) && at(4000.0, 64.0) > 4.0 * at(1000.0, 64.0));
         // Rows with a large overhead gain little from fewer lines.
         let mut slow = CostModel::default();
-        slow.learn(Measured { overhead: 300.0, ..base });
+        slow.learn(Measured { pace: Pace { overhead: 300.0, ..base.pace }, ..base });
         let fewer = Fineness { patches: 1000.0, lines: 24.0 };
         assert!(slow.seconds(fewer).unwrap() > 1.1 * at(1000.0, 24.0));
         // From 384 lines on a shadow's edge takes sixteen points: 1 + 8 for 1 + 2.68 half-planes.

@@ -4,7 +4,7 @@
 use super::audited::audit;
 use super::cost::{CostModel, Fineness, Limits, Measured};
 use super::refine::refined;
-use super::trial::{row_overhead, trial};
+use super::trial::{pace, trial};
 use crate::accuracy::{AuditSettings, ErrorBudget};
 use crate::effects::EffectChoices;
 use crate::form_factors::{AssembleReport, FormFactors, Method, ReceivingPoints};
@@ -219,9 +219,9 @@ pub fn reach(
             predicted_error: foreseen_error,
             budget,
         });
-        let known = model.measured().last().map(|m| m.overhead);
-        let overhead = known.unwrap_or_else(|| row_overhead(&solved, lines));
-        model.learn(Measured::of(&solved, lines, overhead, budget.as_ref()));
+        let known = model.measured().last().map(|m| m.pace);
+        let pace = known.unwrap_or_else(|| pace(&solved, lines));
+        model.learn(Measured::of(&solved, lines, pace, budget.as_ref()));
         if attempts.len() == 1 && solved.mesh.patches.len() as f64 > COARSEST * next.patches {
             limits.fewest = solved.mesh.patches.len() as f64;
         }
@@ -425,12 +425,15 @@ fn solve_until(
     observer: &mut dyn FnMut(News<'_>) -> Control,
 ) -> Result<Outcome, PipelineError> {
     let has_another = before.is_some();
+    let lines = settings.resolution.unwrap_or(settings.method.default_resolution());
     let prepared = prepare(scene, settings)?;
     let left = |d: Instant| d.saturating_duration_since(Instant::now()).as_secs_f64();
     let meshed = prepared.timings.mesh + prepared.timings.plan;
     if let Some(deadline) = deadline
         && has_another
-        && model.seconds_of(&prepared, &trial(&prepared)).is_some_and(|s| s - meshed > 0.95 * left(deadline))
+        && model
+            .seconds_of(&prepared, &trial(&prepared, lines))
+            .is_some_and(|s| s - meshed > 0.95 * left(deadline))
     {
         return Ok(Outcome::TooLong);
     }
@@ -549,8 +552,8 @@ mod tests {
         assert!(model.error(better).unwrap() <= GAIN * model.measured()[0].total, "{better:?}");
         // Finer, but hardly better.
         let smooth = after_the_first([1e-4, 0.05]);
-        let best = smooth.best_within(8.0, LIMITS).unwrap();
-        assert!(is_finer_than_last(&smooth, best) && better_within(&smooth, 8.0, LIMITS).is_none());
+        let best = smooth.best_within(6.3, LIMITS).unwrap();
+        assert!(is_finer_than_last(&smooth, best) && better_within(&smooth, 6.3, LIMITS).is_none());
         assert!(!is_finer_than_last(&model, Fineness { patches: 9100.0, lines: 48.0 }));
         assert!(is_finer_than_last(&model, Fineness { patches: 9000.0, lines: 64.0 }));
     }

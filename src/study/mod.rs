@@ -21,7 +21,7 @@ pub use goal::{
 };
 pub use refine::refined;
 pub use sweep::{Entry, entries, foreseen, measure, pareto};
-pub use trial::{Trial, row_overhead, trial};
+pub use trial::{Pace, Trial, pace, trial};
 
 use crate::scene::Scene;
 

@@ -1,7 +1,7 @@
 //! Some rows tried out, spread over the scene: what all of them will cost.
 
 use crate::effects::Effect;
-use crate::form_factors::{Method, ReceivingPoints, RowComputer, Sampling};
+use crate::form_factors::{FormFactors, Method, ReceivingPoints, RowComputer, Sampling};
 use crate::session::{Prepared, Solved};
 use rayon::prelude::*;
 use std::time::Instant;
@@ -9,6 +9,8 @@ use std::time::Instant;
 /// What the rows of a mesh will come to.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Trial {
+    /// Half-planes a row.
+    pub lines: u32,
     /// Seconds of all rows.
     pub rows: f64,
     /// Form factors that they will hold.
@@ -24,6 +26,9 @@ const REPEATS: usize = 2;
 const TIMES: u32 = 4;
 const FEWEST: u32 = 24;
 const MOST: u32 = 64;
+/// How often, and over how many form factors about, gathering is tried.
+const GATHERINGS: usize = 5;
+const GATHERED: usize = 1_000_000;
 /// What a row costs besides its lines lies between these, as lines.
 const OVERHEAD: [f64; 2] = [8.0, 400.0];
 
@@ -33,8 +38,8 @@ fn spread(computer: &RowComputer, most: usize) -> Vec<u32> {
     (0..most.min(n)).map(|k| ((k as f64 * 0.618_033_988_75).fract() * n as f64) as u32).collect()
 }
 
-/// Tries some rows of a mesh by all threads of the pool.
-pub fn trial(prepared: &Prepared) -> Trial {
+/// Tries some rows, of so many half-planes, of a mesh by all threads of the pool.
+pub fn trial(prepared: &Prepared, lines: u32) -> Trial {
     let computer = &prepared.computer;
     let rows = spread(computer, TRIED);
     let n = computer.mesh().patches.len() as f64;
@@ -44,13 +49,51 @@ pub fn trial(prepared: &Prepared) -> Trial {
         .map_init(|| computer.scratch(), |scratch, &i| computer.row(i, scratch).patches.len())
         .sum();
     let share = n / rows.len().max(1) as f64;
-    Trial { rows: clock.elapsed().as_secs_f64() * share, entries: entries as f64 * share }
+    Trial { lines, rows: clock.elapsed().as_secs_f64() * share, entries: entries as f64 * share }
+}
+
+/// What work costs on this machine, besides what the solves themselves tell.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Pace {
+    /// What one row costs besides its lines, as lines.
+    pub overhead: f64,
+    /// Seconds of gathering once over one stored form factor, by all threads of the pool.
+    pub gathering: f64,
+}
+
+/// Measures the pace of a scene that was solved by so many lines, in some tens of milliseconds.
+pub fn pace(solved: &Solved, lines: u32) -> Pace {
+    Pace { overhead: row_overhead(solved, lines), gathering: gathering(&solved.form_factors) }
+}
+
+/// The shortest of some gatherings over the first rows.
+fn gathering(form_factors: &FormFactors) -> f64 {
+    let light = vec![1.0_f64; form_factors.len()];
+    let (mut rows, mut entries) = (0, 0);
+    while rows < form_factors.len() && entries < GATHERED {
+        entries += form_factors.row(rows).0.len();
+        rows += 1;
+    }
+    let once = || {
+        let clock = Instant::now();
+        let gathered: f64 = (0..rows)
+            .into_par_iter()
+            .with_min_len(64)
+            .map(|i| {
+                let (columns, values) = form_factors.row(i);
+                columns.iter().zip(values).map(|(&j, &s)| f64::from(s) * light[j as usize]).sum::<f64>()
+            })
+            .sum();
+        std::hint::black_box(gathered);
+        clock.elapsed().as_secs_f64()
+    };
+    (0..GATHERINGS).map(|_| once()).fold(f64::INFINITY, f64::min) / entries.max(1) as f64
 }
 
 /// What one row of a solved scene costs besides its lines, as lines: with t and T the times of some rows
 /// by n and by 4 n lines, (4 n + x) / (n + x) = T / t. Takes `lines` as 4 n, where those are not too few, nor so many that
 /// receiving points are chosen otherwise. Runs on the calling thread, for some fifty rows.
-pub fn row_overhead(solved: &Solved, lines: u32) -> f64 {
+fn row_overhead(solved: &Solved, lines: u32) -> f64 {
     let visibility = solved.plan.is_on(Effect::Visibility);
     let few = if lines >= TIMES * FEWEST { (lines / TIMES).min(MOST) } else { lines };
     let computers = [few, TIMES * few].map(|lines| {

@@ -38,7 +38,7 @@ struct Checked {
     /// Where the next solve towards a goal is to have smaller patches.
     refinement: Refinement,
     /// What a row costs besides its lines, as lines, where rows are computed by lines.
-    overhead: Option<f64>,
+    pace: Option<study::Pace>,
 }
 
 /// A running audit; it ends when this is dropped.
@@ -251,9 +251,9 @@ impl Auditor {
             let settings = AuditSettings { seconds, resolve, parallel: false, ..AuditSettings::default() };
             let found = study::audit(&solved, &lighting, &settings, &|| stop.load(Ordering::Relaxed));
             let checked = found.map(|findings| {
-                let overhead = lines.map(|lines| study::row_overhead(&solved, lines));
+                let pace = lines.map(|lines| study::pace(&solved, lines));
                 let refinement = study::refined(&solved.mesh, &findings.map, before.as_deref());
-                Checked { findings, refinement, overhead }
+                Checked { findings, refinement, pace }
             });
             // Nobody listens any more when the light has changed.
             sender.send(checked).ok();
@@ -274,7 +274,7 @@ impl Auditor {
         self.job = None;
         let is_reaching = self.is_reaching();
         self.is_dark = answer.is_none() && !is_reaching;
-        let overhead = answer.as_ref().and_then(|a| a.overhead);
+        let pace = answer.as_ref().and_then(|a| a.pace);
         let (findings, refinement) = answer.map(|a| (a.findings, a.refinement)).unzip();
         (self.findings, self.refinement) = (findings.map(Arc::new), refinement.map(Arc::new));
         self.budget = self.findings.as_ref().map(|found| found.budget);
@@ -287,16 +287,16 @@ impl Auditor {
         self.runs.checked(budget);
         let solved = snapshot.solved()?;
         let settings = &snapshot.settings;
-        let known = self.model.measured().last().map(|m| m.overhead);
+        let known = self.model.measured().last().map(|m| m.pace);
         self.is_taught = lines_of(settings).is_some();
-        if let (Some(lines), Some(overhead)) = (lines_of(settings), overhead.or(known)) {
+        if let (Some(lines), Some(pace)) = (lines_of(settings), pace.or(known)) {
             let patches = solved.mesh.patches.len() as f64;
             if let (PatchTarget::Count(wanted), None) = (settings.patches, &settings.refinement)
                 && patches > study::COARSEST * wanted as f64
             {
                 self.limits.fewest = patches;
             }
-            self.model.learn(Measured::of(&solved, lines, overhead, Some(&budget)));
+            self.model.learn(Measured::of(&solved, lines, pace, Some(&budget)));
             self.draw_curve();
         }
         self.step(&budget, settings)
@@ -447,7 +447,7 @@ pub(super) mod tests {
         let (sender, answer) = channel();
         let findings = Findings { budget: budget(0.001, 0.002), ..Findings::default() };
         let refinement = Refinement::default();
-        sender.send(Some(Checked { findings, refinement, overhead: None })).unwrap();
+        sender.send(Some(Checked { findings, refinement, pace: None })).unwrap();
         auditor.seen = Some((bases.clone(), lighting.clone()));
         auditor.way = Some(Way::new());
         auditor.job = Some(Job { bases, lighting: lighting.clone(), cancel: Arc::default(), answer });
