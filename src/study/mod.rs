@@ -25,7 +25,8 @@ pub use trial::{Pace, Trial, pace, trial};
 
 use crate::scene::Scene;
 
-/// A number that differs between scenes that differ in shape, materials or lamps (FNV-1a, 64 bits).
+/// A number that differs between scenes that differ in shape, materials or lamps, and between versions of the
+/// program, whose measurements are not compared (FNV-1a, 64 bits).
 pub fn scene_hash(scene: &Scene) -> u64 {
     let mut hash = 0xcbf2_9ce4_8422_2325_u64;
     let mut take = |bits: u64| {
@@ -33,6 +34,7 @@ pub fn scene_hash(scene: &Scene) -> u64 {
             hash = (hash ^ u64::from(byte)).wrapping_mul(0x0000_0100_0000_01b3);
         }
     };
+    env!("CARGO_PKG_VERSION").bytes().for_each(|b| take(u64::from(b)));
     for x in scene.positions.iter().flat_map(|p| p.to_array()) {
         take(x.to_bits());
     }
