@@ -301,7 +301,7 @@ fn is_worse(new: Option<&ErrorBudget>, old: Option<&ErrorBudget>) -> bool {
 fn too_fine(model: &CostModel, limits: Limits) -> String {
     let gigabytes = model.measured().last().and_then(|m| model.gigabytes(m.fineness)).unwrap_or(0.0);
     format!(
-        "a finer mesh would need more than the {:.1} GB that are free for form factors ({gigabytes:.1} GB now), \
+        "a mesh fine enough would need more than the {:.1} GB that are free for form factors ({gigabytes:.1} GB now), \
          or more than {} patches",
         limits.gigabytes, limits.most
     )
