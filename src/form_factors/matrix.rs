@@ -209,7 +209,8 @@ impl FormFactors {
         (passes, imbalance)
     }
 
-    fn dot(&self, i: usize, vector: &[f64]) -> f64 {
+    /// Row i of S times a vector.
+    pub(crate) fn dot(&self, i: usize, vector: &[f64]) -> f64 {
         let (columns, values) = self.row(i);
         columns.iter().zip(values).map(|(&j, &s)| f64::from(s) * vector[j as usize]).sum()
     }

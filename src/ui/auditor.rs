@@ -37,7 +37,7 @@ struct Checked {
     findings: Findings,
     /// Where the next solve towards a goal is to have smaller patches.
     refinement: Refinement,
-    /// What a row costs besides its lines, as lines, where rows are computed by lines.
+    /// What work costs on this machine, where rows are computed by lines and it is not known yet.
     pace: Option<study::Pace>,
 }
 
