@@ -63,12 +63,14 @@ struct Place {
     enclosure: f64,
     /// Whether something that shines can be seen.
     sees_lamp: bool,
-    /// The way to look that shows most.
+    /// The way to look in which one sees farthest.
     gaze: DVec3,
     /// How far one sees that way, metres.
     depth: f64,
     /// Mean distance seen around that way, metres.
     openness: f64,
+    /// How far one sees in each of the directions around, metres; zero into the void.
+    around: [f64; AZIMUTHS],
 }
 
 struct Surveyor<'a> {
@@ -125,6 +127,11 @@ pub(super) fn default_views(scene: &Scene, space: &Space, scale: f64) -> (Vec<Vi
     }
     let start = usize::from(!is_room && diagonal > LARGE * scale && views.len() > 1);
     (views, start)
+}
+
+/// Mean distance seen around a direction, metres: over 60 degrees to either side.
+fn openness(around: &[f64; AZIMUTHS], azimuth: usize) -> f64 {
+    (0..9).map(|d| around[(azimuth + AZIMUTHS + d - 4) % AZIMUTHS]).sum::<f64>() / 9.0
 }
 
 /// Places right below lamps, evenly chosen where they are many.
@@ -206,26 +213,35 @@ impl<'a> Surveyor<'a> {
                 self.space.seen(eye, way).is_some_and(|(_, surface)| self.shines(surface))
             });
         // Looking into the void shows nothing, so it counts for nothing.
-        let reach = |k: usize| seen[k % AZIMUTHS].unwrap_or(0.0);
-        let around = |k: usize| (0..9).map(|d| reach(k + AZIMUTHS + d - 4)).sum::<f64>() / 9.0;
-        let best = (0..AZIMUTHS).max_by(|&a, &b| around(a).total_cmp(&around(b)))?;
-        Some(Place {
-            eye,
-            enclosure: f64::from(hits) / PROBES as f64,
-            sees_lamp,
-            gaze: gazes[best],
-            depth: reach(best).max(EYES * self.scale),
-            openness: around(best),
-        })
+        let around = std::array::from_fn(|k| seen[k].unwrap_or(0.0));
+        let best = (0..AZIMUTHS).max_by(|&a, &b| openness(&around, a).total_cmp(&openness(&around, b)))?;
+        let enclosure = f64::from(hits) / PROBES as f64;
+        let blind = Place { eye, enclosure, sees_lamp, gaze: gazes[best], depth: 0.0, openness: 0.0, around };
+        Some(self.looking(&blind, best))
+    }
+
+    /// The same place, looking that way.
+    fn looking(&self, place: &Place, azimuth: usize) -> Place {
+        Place {
+            gaze: self.level(TAU * azimuth as f64 / AZIMUTHS as f64),
+            depth: place.around[azimuth].max(EYES * self.scale),
+            openness: openness(&place.around, azimuth),
+            ..*place
+        }
     }
 
     fn shines(&self, surface: u32) -> bool {
         self.scene.surfaces[surface as usize].luminaire.is_some()
     }
 
-    /// Of these places, sorted by how far one sees, the one whose picture tells most.
+    /// Of these places, sorted by how far one sees, the one and the way to look whose picture tells most.
     fn most_telling(&self, places: &[Place]) -> Option<Place> {
-        let rated = places.iter().take(COMPARED).map(|place| (self.worth(place), *place));
+        let ways = places.iter().take(COMPARED).flat_map(|place| {
+            let open = (0..AZIMUTHS).step_by(2).map(|azimuth| self.looking(place, azimuth));
+            let open = open.filter(|looking| looking.openness > 0.6 * place.openness);
+            open.chain([*place])
+        });
+        let rated = ways.map(|place| (self.worth(&place), place));
         rated.max_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, place)| place)
     }
 
@@ -246,10 +262,12 @@ impl<'a> Surveyor<'a> {
             let surface = &self.scene.surfaces[surface as usize];
             things.insert((surface.object, surface.material));
             depth += (1.0 + distance / self.scale).ln();
-            blocked += f64::from(u8::from(distance < self.scale));
+            // What stands right ahead is in the way long before it is near.
+            let near = if (5..11).contains(&i) { 2.0 } else { 1.0 };
+            blocked += f64::from(u8::from(distance < near * self.scale));
         }
         let rays = f64::from(PICTURE[0] * PICTURE[1]);
-        depth / rays - blocked / rays + 0.3 * (1.0 + things.len() as f64).ln()
+        depth / rays - 2.0 * blocked / rays + 0.3 * (1.0 + things.len() as f64).ln()
     }
 
     fn view(&self, name: &str, place: &Place) -> View {
