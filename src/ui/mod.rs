@@ -7,6 +7,7 @@ mod adoption;
 mod app;
 mod auditor;
 mod background;
+mod banners;
 mod camera_control;
 mod collision;
 mod colour;
@@ -16,9 +17,11 @@ mod doctor;
 mod execute;
 mod exposure;
 mod files;
+mod fonts;
 mod frame_clock;
 mod history;
 mod input;
+mod leaving;
 mod legend;
 mod lit;
 mod marks;
@@ -44,7 +47,7 @@ mod worker;
 
 pub use app::App;
 pub use camera_control::Motion;
-pub use state::{DisplaySettings, Edits, Quantity, ShadingMode, UiState};
+pub use state::{DisplaySettings, Edits, Preferences, Quantity, ShadingMode, UiState, Visit};
 pub use worker::Worker;
 
 use crate::scene::SceneSource;

@@ -44,15 +44,14 @@ const TOLD: f32 = 2.0 * 17.0;
 fn headline(ui: &mut egui::Ui, model: &Model<'_>, out: &mut Commands) {
     let auditor = model.auditor;
     ui.horizontal(|ui| {
-        let word = match (&auditor.budget, model.snapshot.stage) {
-            (Some(budget), _) => format!("Error {} RMS", percent(budget.total.error)),
-            (None, Stage::Converged) if !auditor.on => "Not checked".to_owned(),
-            (None, Stage::Converged) if auditor.is_dark => "No light to check".to_owned(),
-            (None, Stage::Converged) => "Checking by rays".to_owned(),
-            (None, _) => "Known once the light has settled".to_owned(),
+        let verdict = super::verdict::of(model);
+        let label = if verdict.error.is_empty() {
+            ui.label(RichText::new("Known once the light has settled").color(theme::TEXT_WEAK))
+        } else {
+            let mut letters = verdict.error.chars();
+            let word: String = letters.next().into_iter().flat_map(char::to_uppercase).chain(letters).collect();
+            ui.label(RichText::new(word).color(verdict.colour))
         };
-        let colour = if auditor.budget.is_some() { theme::ACCENT } else { theme::TEXT_WEAK };
-        let label = ui.label(RichText::new(word).color(colour));
         if let Some(budget) = &auditor.budget {
             label.on_hover_text(format!(
                 "Root mean square over the receiving area of what the illuminance as shown is off by, of its mean \
