@@ -371,7 +371,7 @@ impl Auditor {
         } else if self.model.asks_for_patches().filter(|_| self.is_taught).unwrap_or(mesh >= form_factors) {
             "smaller patches"
         } else {
-            "more lines a row"
+            "more lines per row"
         })
     }
 }

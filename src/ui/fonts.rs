@@ -1,13 +1,55 @@
-//! Text in scripts that the built-in font lacks. eframe looks for a font of the system, on demand; what none of
-//! them can draw is noted here, so that boxes in place of names are explained.
+//! Text in scripts that the built-in font lacks: by fonts of the system, looked for once one is needed. What none
+//! of them can draw is noted, so that boxes in place of names are explained.
 //!
 //! egui shapes text, so Arabic letters join, but it lays lines out from left to right only.
 
 use super::banners::Banner;
 use super::panels::Model;
-use egui::GlyphRasterizer;
+use egui::{FallbackRequest, FontInsert, FontProvider, GlyphRasterizer};
+use egui_system_font_provider::SystemFontProvider;
 use std::collections::BTreeSet;
+use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::{Arc, Mutex, PoisonError};
+
+/// Lets text that the built-in fonts cannot draw be drawn with fonts of the system.
+pub(super) fn use_those_of_the_system(ctx: &egui::Context) {
+    ctx.add_font_provider(Arc::new(OnDemand::new(SystemFontProvider::new)));
+}
+
+/// A source of fonts that is opened when the first is asked for, and given up if it fails.
+struct OnDemand<P, F>(Mutex<Source<P>>, F);
+
+enum Source<P> {
+    Unopened,
+    Open(P),
+    Failed,
+}
+
+impl<P, F> OnDemand<P, F> {
+    fn new(open: F) -> Self {
+        Self(Mutex::new(Source::Unopened), open)
+    }
+}
+
+impl<P: FontProvider, F: Fn() -> P + Send + Sync> FontProvider for OnDemand<P, F> {
+    fn font_for(&self, request: &FallbackRequest<'_>) -> Option<FontInsert> {
+        let mut source = self.0.lock().unwrap_or_else(PoisonError::into_inner);
+        // On a system without any font the search ends in a panic; boxes are better than no window.
+        let found = catch_unwind(AssertUnwindSafe(|| {
+            if matches!(*source, Source::Unopened) {
+                *source = Source::Open((self.1)());
+            }
+            match &*source {
+                Source::Open(provider) => provider.font_for(request),
+                Source::Unopened | Source::Failed => None,
+            }
+        }));
+        found.unwrap_or_else(|_| {
+            *source = Source::Failed;
+            None
+        })
+    }
+}
 
 /// Scripts by their code points, with the name of the script and a free font that has it.
 const SCRIPTS: [(std::ops::RangeInclusive<u32>, &str, &str); 11] = [
@@ -93,6 +135,39 @@ pub(super) fn banner(model: &Model<'_>) -> Option<Banner> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use std::sync::atomic::{AtomicU32, Ordering};
+
+    /// A provider that tells how often it is opened and asked.
+    struct Counted<'a> {
+        asked: &'a AtomicU32,
+        fails: bool,
+    }
+
+    impl FontProvider for Counted<'_> {
+        fn font_for(&self, _: &FallbackRequest<'_>) -> Option<FontInsert> {
+            self.asked.fetch_add(1, Ordering::Relaxed);
+            assert!(!self.fails, "no fonts here");
+            None
+        }
+    }
+
+    #[test]
+    fn fonts_are_looked_for_when_one_is_needed_and_not_again_after_a_failure() {
+        let family = egui::FontFamily::Proportional;
+        let request = FallbackRequest { cluster: "卧", family: &family };
+        for (fails, expected) in [(false, 3), (true, 1)] {
+            let (opened, asked) = (AtomicU32::new(0), AtomicU32::new(0));
+            let provider = OnDemand::new(|| {
+                opened.fetch_add(1, Ordering::Relaxed);
+                Counted { asked: &asked, fails }
+            });
+            assert_eq!(opened.load(Ordering::Relaxed), 0);
+            for _ in 0..3 {
+                assert!(provider.font_for(&request).is_none());
+            }
+            assert_eq!((opened.load(Ordering::Relaxed), asked.load(Ordering::Relaxed)), (1, expected));
+        }
+    }
 
     #[test]
     fn what_cannot_be_read_is_named_by_its_script() {

@@ -117,6 +117,8 @@ fn show_window(
             .with_min_inner_size([800.0, 480.0]),
         renderer: eframe::Renderer::Wgpu,
         persist_window: true,
+        // The window looks for fonts itself: see `fonts`.
+        system_font_fallback: false,
         ..Default::default()
     };
     let opened = Arc::new(AtomicBool::new(false));
@@ -127,6 +129,7 @@ fn show_window(
         has_opened.store(true, Ordering::Relaxed);
         let app = App::new(cc, Box::new(Arc::clone(session)), state);
         theme::leave_ground_to_the_clear(&cc.egui_ctx);
+        fonts::use_those_of_the_system(&cc.egui_ctx);
         Ok(Box::new(app.with_legacy(Arc::clone(legacy))))
     });
     // Without a device the interface panics as soon as it is drawn; what was done is left in `legacy`.

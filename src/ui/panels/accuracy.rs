@@ -30,7 +30,7 @@ pub(in crate::ui) fn show(ui: &mut egui::Ui, model: &Model<'_>, out: &mut Comman
         ui.label(RichText::new(told).small().color(theme::TEXT));
     }
     if let Some(advice) = auditor.advice() {
-        let text = format!("Next seconds are best spent on {advice}.");
+        let text = format!("Best way to a smaller error: {advice}.");
         ui.label(RichText::new(text).small().color(theme::TEXT_WEAK));
     }
     let left = TOLD - (ui.cursor().top() - top);
@@ -143,14 +143,18 @@ fn spread(ui: &mut egui::Ui, budget: Option<&ErrorBudget>, model: &Model<'_>, ou
             let Some(most) = dominant.filter(|d| d.share > 0.3 && d.share > 3.0 * d.area) else {
                 return;
             };
-            let button = ui.small_button("Go").on_hover_text("To the patch of it that weighs most");
+            let button = ui.small_button("Go").on_hover_text("Go to the patch that adds most to the error");
             if button.accessible_name("Go to the largest error").clicked() {
                 out.push(Command::JumpToPatch(most.patch));
             }
             let name = model.scene.and_then(|s| s.objects.get(most.object as usize));
             let name = name.map_or("one object", String::as_str);
-            let text = format!("{} of the squares on {name}", share(most.share));
-            let tip = format!("{name} has {} of the area.", percent(most.area));
+            let text = format!("{} of squared error: {name}", share(most.share));
+            let tip = format!(
+                "{name} has {} of the area and {} of the squared error.",
+                percent(most.area),
+                share(most.share)
+            );
             ui.with_layout(egui::Layout::left_to_right(egui::Align::Center), |ui| {
                 let label = egui::Label::new(RichText::new(text).small().color(theme::TEXT_WEAK));
                 ui.add(label.truncate()).on_hover_text(tip);

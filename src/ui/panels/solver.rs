@@ -254,14 +254,14 @@ fn settings(ui: &mut egui::Ui, now: &SolveSettings, out: &mut Commands) {
         }
     });
     let text = match now.patches {
-        PatchTarget::Auto => "As the scene asks".to_owned(),
+        PatchTarget::Auto => "Chosen for the scene".to_owned(),
         PatchTarget::Size(metres) => format!("{} m each", units::digits(metres)),
         PatchTarget::Count(n) => format!("about {}", units::count(n)),
-        PatchTarget::AsGiven => "One a polygon".to_owned(),
+        PatchTarget::AsGiven => "One per polygon".to_owned(),
     };
     combo(ui, "Patches", &text, |ui| {
-        let auto = (PatchTarget::Auto, "As the scene asks".to_owned());
-        let given = (PatchTarget::AsGiven, "One a polygon".to_owned());
+        let auto = (PatchTarget::Auto, "Chosen for the scene".to_owned());
+        let given = (PatchTarget::AsGiven, "One per polygon".to_owned());
         let counts = COUNTS.map(|n| (PatchTarget::Count(n), format!("about {}", units::count(n))));
         for (target, label) in [auto, given].into_iter().chain(counts) {
             if ui.selectable_label(now.patches == target, label).clicked() {
@@ -300,10 +300,10 @@ fn method_name(method: Method) -> &'static str {
 
 fn points_name(points: ReceivingPoints) -> &'static str {
     match points {
-        ReceivingPoints::Auto => "As shadows ask",
-        ReceivingPoints::One => "1 a patch",
-        ReceivingPoints::Four => "4 a patch",
-        ReceivingPoints::Sixteen => "16 a patch",
+        ReceivingPoints::Auto => "More in shadow edges",
+        ReceivingPoints::One => "1 per patch",
+        ReceivingPoints::Four => "4 per patch",
+        ReceivingPoints::Sixteen => "16 per patch",
     }
 }
 
