@@ -6,7 +6,7 @@ use super::luminaires::{Parts, gather};
 use super::repair::repair;
 use super::sidecar::{Sidecar, Source};
 use super::types::{Scene, SceneSource};
-use super::{builtin, mtl, names, obj, views};
+use super::{builtin, mtl, names, obj, sides, views};
 use crate::geometry::Aabb;
 use glam::DVec3;
 use std::io;
@@ -152,6 +152,7 @@ fn build(input: Input<'_>) -> Result<Scene, SceneError> {
         objects: &obj.objects,
         materials: &materials.list,
         exitance: &materials.exitance,
+        partners: &sides::partners(&positions, &surfaces),
     };
     let mut normals = repaired.normals;
     let luminaires = gather(&parts, &mut surfaces, &mut normals, sidecar.as_ref().zip(sidecar_source))?;

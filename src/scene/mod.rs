@@ -28,6 +28,7 @@ mod obj;
 mod repair;
 mod sidecar;
 mod sidecar_write;
+mod sides;
 mod summary;
 mod tally;
 mod textures;
