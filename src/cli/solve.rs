@@ -1,7 +1,7 @@
 use super::budget;
 use super::failure::Failure;
 use super::lamps;
-use super::options::{self, SolveOptions};
+use super::options::{self, FrameOptions, SolveOptions};
 use super::picture::{self, Studio};
 use super::progress::ProgressLine;
 use super::report::{self, OwnTimings};
@@ -10,7 +10,7 @@ use super::tour::{self, FrameFolder};
 use crate::display::{DisplayMesh, Shading};
 use crate::export::{self, ExportError, SurfacePoint, atomic, read_points, write_irradiance};
 use crate::outputs::{LitScene, StillKind, save_patch_table};
-use crate::scene::{self, Lighting, Scene, SceneSource, Severity, View, illuminance};
+use crate::scene::{self, Lighting, Scene, Severity, View, illuminance};
 use crate::session::{self, Control, Progress, SolveSettings, Solved};
 use crate::solver::PatchLight;
 use crate::study::Goal;
@@ -28,6 +28,8 @@ pub(super) struct Arguments {
     /// An OBJ file, or builtin:NAME
     #[arg(value_name = "SCENE")]
     scene: String,
+    #[command(flatten)]
+    frame: FrameOptions,
     #[command(flatten)]
     options: SolveOptions,
     /// Switch this lamp on (may be repeated)
@@ -145,7 +147,7 @@ impl Arguments {
     fn view(&self, scene: &Scene) -> Result<View, Failure> {
         let mut view = match (self.eye, self.target, &self.view) {
             (Some(eye), Some(target), _) => {
-                let [eye, target] = [eye, target].map(|place| place * scene.unit.metres());
+                let [eye, target] = [eye, target].map(|place| scene.in_scene(place));
                 if eye.distance_squared(target) < 1e-18 {
                     return Err(Failure::input("--eye and --target are the same place"));
                 }
@@ -168,7 +170,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
     let start = Instant::now();
     let kind = arguments.image.as_deref().map(picture::kind_of).transpose()?;
     arguments.options.set_threads()?;
-    let scene = load(&arguments.scene)?;
+    let scene = load(&arguments.scene, &arguments.frame)?;
     let load_seconds = start.elapsed().as_secs_f64();
     let settings = arguments.options.settings(scene.unit)?;
     let lighting = lamps::lighting(&scene, &arguments.on, &arguments.off, &arguments.dim)?;
@@ -209,8 +211,8 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
         save_patch_table(path, &lit)?;
     }
     if let (Some(points), Some(path)) = (&points, &arguments.irradiance) {
-        let unit = solved.scene.unit.metres();
-        gather(path, points, unit, |places| solved.irradiance_at(places, &light))?;
+        let in_scene = |place| solved.scene.in_scene(place);
+        gather(path, points, in_scene, |places| solved.irradiance_at(places, &light))?;
     }
     if let Some(path) = &arguments.report {
         let [outputs, total] = [outputs_start, start].map(|since| since.elapsed().as_secs_f64());
@@ -241,9 +243,9 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
 }
 
 /// Loads a scene and says on standard error what is doubtful about it.
-pub(super) fn load(name: &str) -> Result<Arc<Scene>, Failure> {
+pub(super) fn load(name: &str, frame: &FrameOptions) -> Result<Arc<Scene>, Failure> {
     const SHOWN: usize = 12;
-    let scene = scene::load(&SceneSource::from(name))?;
+    let scene = scene::load(&frame.source(name)?)?;
     let doubts: Vec<_> = scene.findings.iter().filter(|f| f.severity >= Severity::Warning).collect();
     for finding in doubts.iter().take(SHOWN) {
         text::complain(&format!("{}: {}", report::severity_name(finding.severity), finding.message));
@@ -313,16 +315,16 @@ fn display_seconds(solved: &Solved, lighting: &Lighting) -> f64 {
     clock.elapsed().as_secs_f64()
 }
 
-/// Gathers at points given in units of `unit` metres; `irradiance_at` takes positions in metres
-/// with unit normals and answers in W/m² per band.
+/// Gathers at points in the coordinates of the file, which `in_scene` brings to those of the scene;
+/// `irradiance_at` takes positions there with unit normals and answers in W/m² per band.
 fn gather(
     path: &Path,
     points: &[SurfacePoint],
-    unit: f64,
+    in_scene: impl Fn(DVec3) -> DVec3,
     irradiance_at: impl FnOnce(&[(DVec3, DVec3)]) -> Vec<[f64; 3]>,
 ) -> Result<(), ExportError> {
     let places: Vec<(DVec3, DVec3)> =
-        points.iter().map(|point| (point.position * unit, point.normal)).collect();
+        points.iter().map(|point| (in_scene(point.position), point.normal)).collect();
     write_irradiance(path, points, &irradiance_at(&places), illuminance)
 }
 
@@ -335,10 +337,15 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("out.csv");
         let points = [SurfacePoint { position: DVec3::new(1000.0, 0.0, 500.0), normal: DVec3::Z }];
-        gather(&path, &points, 0.001, |places| {
-            assert!((places[0].0 - DVec3::new(1.0, 0.0, 0.5)).length() < 1e-12);
-            vec![[1.0, 1.0, 1.0]]
-        })
+        gather(
+            &path,
+            &points,
+            |place| place * 0.001,
+            |places| {
+                assert!((places[0].0 - DVec3::new(1.0, 0.0, 0.5)).length() < 1e-12);
+                vec![[1.0, 1.0, 1.0]]
+            },
+        )
         .unwrap();
         let text = std::fs::read_to_string(&path).unwrap();
         let line = text.lines().nth(1).unwrap();

@@ -18,7 +18,7 @@ pub struct Occluders {
     pub(super) pieces: Vec<CellPiece>,
     /// Edges of those pieces: inside where `a u + b v + c >= 0`, plane coordinates in cells.
     pub(super) piece_edges: Vec<[f64; 3]>,
-    /// Diagonal of the box around everything, metres.
+    /// What tolerances are shares of, metres.
     pub(super) size: f64,
     /// Patches in the mesh.
     pub(super) patches: usize,

@@ -4,7 +4,7 @@
 use super::app::App;
 use super::camera_control::CameraControl;
 use super::state::{DisplaySettings, Edits};
-use crate::scene::{Scene, SceneSource, View};
+use crate::scene::{Scene, View};
 use std::sync::Arc;
 
 impl App {
@@ -23,7 +23,7 @@ impl App {
             return;
         }
         self.files.watch(Some(&scene.source));
-        if let SceneSource::File(path) = &scene.source {
+        if let Some(path) = scene.source.path() {
             self.state.remember(path);
         }
         let display = DisplaySettings { split: false, ..self.edits.display };
@@ -33,7 +33,7 @@ impl App {
         self.history.clear();
         self.solo = None;
         self.exposure = Default::default();
-        if let Some(before) = before.filter(|before| before.source == scene.source) {
+        if let Some(before) = before.filter(|before| before.source.is_same_model(&scene.source)) {
             carry_lamps(&before, &edits, &scene, &mut self.edits);
             if carry_materials(&before, &edits, &scene, &mut self.edits) {
                 // Those that the worker has are of the scene as it was read before.
@@ -65,7 +65,7 @@ impl App {
 
 /// Whether a place of one is that place of the other.
 fn is_in_place(before: &Scene, now: &Scene) -> bool {
-    before.up == now.up && before.unit == now.unit
+    before.up == now.up && before.unit == now.unit && before.origin == now.origin
 }
 
 /// Brings what the user has changed about a lamp into the state that it had, by name, where the name is one

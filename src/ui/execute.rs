@@ -85,7 +85,7 @@ impl App {
             Command::SaveSidecar => self.save_sidecar(),
             Command::SetFrame(unit, up) => {
                 if let Some(scene) = &self.scene_shown
-                    && let SceneSource::File(path) = &scene.source
+                    && let Some(path) = scene.source.path()
                     && (scene.unit, scene.up) != (unit, up)
                 {
                     self.files.save_frame(path, unit, up);
@@ -333,7 +333,9 @@ impl App {
     pub(super) fn open(&mut self, source: SceneSource) {
         (self.notice, self.dismissed) = (None, None);
         let name = match &source {
-            SceneSource::File(path) => path.file_name().map(|n| n.to_string_lossy().into_owned()),
+            SceneSource::File(path) | SceneSource::FileAs(path, _) => {
+                path.file_name().map(|n| n.to_string_lossy().into_owned())
+            }
             SceneSource::Builtin(name) => Some(name.clone()),
         };
         let name = name.unwrap_or_default();
@@ -487,9 +489,9 @@ impl App {
     pub(super) fn suggested_path(&self, kind: SaveKind) -> PathBuf {
         let scene = self.picture.prepared.as_ref().map(|p| &p.scene);
         let stem = scene.map_or("lumenwalk", |s| s.name.as_str());
-        let folder = match (kind, scene.map(|s| &s.source)) {
-            (SaveKind::Screenshot, _) | (_, None | Some(SceneSource::Builtin(_))) => pictures_folder(),
-            (_, Some(SceneSource::File(path))) => path.parent().map_or_else(pictures_folder, PathBuf::from),
+        let folder = match (kind, scene.and_then(|s| s.source.path())) {
+            (SaveKind::Screenshot, _) | (_, None) => pictures_folder(),
+            (_, Some(path)) => path.parent().map_or_else(pictures_folder, PathBuf::from),
         };
         match kind {
             SaveKind::RepairedCopy => free_name(&folder, &format!("{stem}-repaired"), kind.extension()),
@@ -531,7 +533,7 @@ impl App {
     /// Writes what was edited beside the scene's file.
     fn save_sidecar(&self) {
         let Some(scene) = &self.scene_shown else { return };
-        let SceneSource::File(path) = &scene.source else { return };
+        let Some(path) = scene.source.path() else { return };
         let edits = self.edits.clone();
         let bookmarks = (self.views.clone(), self.start_view);
         self.files.save_sidecar(path, Arc::clone(scene), edits, bookmarks);

@@ -7,7 +7,7 @@ use super::overlay::{NOTICE_SECS, Notice};
 use super::panels;
 use super::path_dialog::PathDialog;
 use super::state::Quantity;
-use crate::scene::{Scene, SceneSource};
+use crate::scene::{FrameChoice, Scene, SceneSource};
 use crate::session::{Snapshot, Stage};
 use std::sync::Arc;
 
@@ -190,7 +190,10 @@ impl App {
             FileNews::Framed(path) => {
                 // One reading is enough.
                 self.files.watch(self.scene_shown.as_ref().map(|scene| &scene.source));
-                self.reload();
+                // What the sidecar says now is chosen, whatever the command line said.
+                if let Some(scene) = &self.scene_shown {
+                    self.open(scene.source.clone().framed(FrameChoice::default()));
+                }
                 let text = format!("Saved {}; the model is read again", path.display());
                 self.notice = Some(Notice { text, is_error: false, since: time });
             }

@@ -36,6 +36,7 @@ pub(super) struct Prepared {
     pub(super) obstacles: Obstacles,
     /// Longest extent squared over area, a patch each.
     pub(super) aspect: Vec<f32>,
+    /// Around the part that is looked at.
     pub(super) bounds: Aabb,
     /// Luminous flux of each lamp at full output as it comes with the file, lm.
     pub(super) full_lumens: Vec<f64>,
@@ -43,14 +44,15 @@ pub(super) struct Prepared {
 
 impl Prepared {
     fn build(mesh_serial: u64, scene: Arc<Scene>, mesh: Arc<PatchMesh>) -> Self {
+        let extent = scene.extent();
         Self {
             mesh_serial,
             display: DisplayMesh::build(&mesh, &scene, true),
             picker: Picker::new(&mesh),
-            obstacles: Obstacles::of_mesh(&mesh, scene.up.vector()),
+            obstacles: Obstacles::of_mesh(&mesh, scene.up.vector(), &extent),
             aspect: mesh.patches.iter().map(|p| aspect(&mesh, p)).collect(),
             full_lumens: crate::scene::lumens(&scene).into_iter().map(|[full, _]| full).collect(),
-            bounds: Aabb::around(mesh.vertices.iter().copied()),
+            bounds: extent.main,
             scene,
             mesh,
         }

@@ -132,7 +132,7 @@ fn file(ui: &mut egui::Ui, model: &Model<'_>, out: &mut Commands) {
         };
         item(ui, out, kind.title(), key, lit, Command::Save(kind));
     }
-    let has_file = model.scene.is_some_and(|scene| matches!(scene.source, SceneSource::File(_)));
+    let has_file = model.scene.is_some_and(|scene| scene.source.path().is_some());
     item(
         ui,
         out,
@@ -146,9 +146,15 @@ fn file(ui: &mut egui::Ui, model: &Model<'_>, out: &mut Commands) {
     item(ui, out, "Quit", "Ctrl-Q", true, Command::Quit);
 }
 
+/// A unit and an up axis in words: "feet, z up".
+pub(in crate::ui) fn frame_name(unit: LengthUnit, up: UpAxis) -> String {
+    let name = UNITS.iter().find(|(known, _)| *known == unit).map_or("", |(_, name)| name);
+    format!("{}, {} up", name.to_lowercase(), if up == UpAxis::Z { "z" } else { "y" })
+}
+
 /// In which unit the model is, and which of its axes points up.
 fn frame_of(ui: &mut egui::Ui, model: &Model<'_>, out: &mut Commands) {
-    let Some(scene) = model.scene.filter(|scene| matches!(scene.source, SceneSource::File(_))) else {
+    let Some(scene) = model.scene.filter(|scene| scene.source.path().is_some()) else {
         ui.label(RichText::new("Embedded scenes know theirs").color(theme::TEXT_WEAK));
         return;
     };
