@@ -171,6 +171,12 @@ impl<'a> Witness<'a> {
         parts.sum()
     }
 
+    /// Whether the side of a triangle that a ray in this direction meets can be seen.
+    fn is_shown(&self, triangle: u32, direction: DVec3) -> bool {
+        let piece = &self.mesh.pieces[self.pieces[triangle as usize] as usize];
+        !(piece.backed && self.mesh.regions[piece.region as usize].frame.normal.dot(direction) > 0.0)
+    }
+
     fn triangles_of(&self, patch: u32) -> &[(u32, f64)] {
         let p = patch as usize;
         &self.patch_triangles[self.starts[p] as usize..self.starts[p + 1] as usize]
@@ -250,7 +256,9 @@ impl<'a> Witness<'a> {
             let (radius, phi) = (u[0].sqrt(), TAU * u[1]);
             let cosine = (1.0 - u[0]).sqrt();
             let direction = frame.world(DVec3::new(radius * phi.cos(), radius * phi.sin(), cosine));
-            let Some(hit) = self.bvh.nearest(&Ray { origin, direction }, self.offset, f64::INFINITY) else {
+            let ray = Ray { origin, direction };
+            let is_shown = |triangle: u32| self.is_shown(triangle, direction);
+            let Some(hit) = self.bvh.nearest_where(&ray, self.offset, f64::INFINITY, is_shown) else {
                 continue;
             };
             let piece = &self.mesh.pieces[self.pieces[hit.triangle as usize] as usize];
@@ -292,7 +300,8 @@ impl<'a> Witness<'a> {
             }
             let distance = distance2.sqrt();
             let ray = Ray { origin, direction: way / distance };
-            if self.bvh.occluded(&ray, self.offset, distance - self.offset) {
+            let is_shown = |triangle: u32| self.is_shown(triangle, ray.direction);
+            if self.bvh.occluded_where(&ray, self.offset, distance - self.offset, is_shown) {
                 continue;
             }
             let g = cosines / (PI * distance2 * distance2);

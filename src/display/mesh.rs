@@ -171,6 +171,9 @@ impl DisplayMesh {
                     let face = [start, start + k, start + k + 1];
                     self.faces.push(face);
                     let drawn = if side == Side::Front { face } else { [face[0], face[2], face[1]] };
+                    if side == Side::Back && piece.backed {
+                        continue;
+                    }
                     let list = match piece.patches[side as usize] {
                         NO_PATCH => &mut unlit,
                         patch => by_texture.entry(self.patch_textures[patch as usize]).or_default(),

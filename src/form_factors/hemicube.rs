@@ -133,6 +133,9 @@ impl Hemicube {
                 continue;
             }
             let side = usize::from(height < 0.0);
+            if side == 1 && piece.backed {
+                continue;
+            }
             let patch = if region.dark[side] { DARK } else { piece.patches[side] };
             sampler.polygon.clear();
             sampler.polygon.extend(mesh.corners_of(piece).iter().map(|c| {

@@ -20,7 +20,7 @@
 use super::occluders::{Cell, Occluder, Occluders};
 use super::row::RowBuffer;
 use crate::geometry::Frame;
-use crate::mesh::{NO_PATCH, Side};
+use crate::mesh::{Backing, NO_PATCH, Side};
 use glam::DVec3;
 use std::f64::consts::TAU;
 
@@ -144,7 +144,8 @@ impl LineSampler {
             self.counts.resize(n, 0);
         }
         let mut candidates = std::mem::take(&mut self.candidates);
-        scene.culling.candidates(point, frame.normal, scene.contact(), &mut candidates);
+        let near = [scene.contact(), scene.thickness()];
+        scene.culling.candidates(point, frame.normal, near, &mut candidates);
         for &index in &candidates {
             self.cut_region(scene, fan, index as usize, point, &frame);
         }
@@ -220,6 +221,15 @@ impl LineSampler {
         }
         let to_plane = region.normal.dot(region.origin - point);
         if to_plane.abs() <= contact || region.dark[usize::from(to_plane > 0.0)] {
+            return;
+        }
+        // What lies on its back is seen instead of it, and sees past it.
+        let passes = match region.backing {
+            Backing::None => false,
+            Backing::Partial => to_plane <= scene.thickness(),
+            Backing::Whole => true,
+        };
+        if to_plane > 0.0 && passes {
             return;
         }
         // 2. Corners in the receiver's frame, with their azimuth counted in half-planes.
@@ -302,7 +312,10 @@ impl LineSampler {
         let normal = frame.local(region.normal);
         let side = if to_plane < 0.0 { Side::Front } else { Side::Back };
         let axis_end = if to_plane * normal.z > 0.0 { -1.0 } else { 1.0 };
-        let inverse = 0.5 / to_plane;
+        // What lies on a part of its back stands before it.
+        let behind =
+            if side == Side::Back && region.backing == Backing::Partial { scene.thickness() } else { 0.0 };
+        let inverse = 0.5 / (to_plane + behind);
         let seen = self.seen.len() as u32;
         let mut total = 0.0;
         for &k in &self.touched {

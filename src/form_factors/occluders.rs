@@ -1,7 +1,7 @@
 //! The regions of a mesh in the compact form that all row methods read.
 
 use super::culling::Culling;
-use crate::mesh::{NO_PATCH, PatchMesh};
+use crate::mesh::{Backing, NO_PATCH, PatchMesh};
 use glam::DVec3;
 
 /// Everything that a receiving point can see, laid out for one pass per row.
@@ -45,6 +45,8 @@ pub(super) struct Occluder {
     pub(super) emits: bool,
     /// Sides that nothing lit can see.
     pub(super) dark: [bool; 2],
+    /// How much of its back others lie on.
+    pub(super) backing: Backing,
 }
 
 /// What lies in a grid cell.
@@ -140,6 +142,7 @@ impl Occluders {
                 half: 0.5 * region.bounds.size(),
                 emits,
                 dark: region.dark,
+                backing: region.backing,
             });
         }
         let boxes: Vec<(DVec3, DVec3)> = all.regions.iter().map(|r| (r.middle, r.half)).collect();
@@ -155,5 +158,10 @@ impl Occluders {
     /// Distances below this count as contact, metres.
     pub(super) fn contact(&self) -> f64 {
         1e-9 * self.size
+    }
+
+    /// Surfaces that lie back to back are nearer to each other than this, metres.
+    pub(super) fn thickness(&self) -> f64 {
+        4e-6 * self.size
     }
 }

@@ -1,3 +1,4 @@
+use super::backing::{Backing, Sheets};
 use super::contacts::Edges;
 use super::grading::{Grading, Lamps};
 use super::patches;
@@ -94,8 +95,9 @@ pub fn build(scene: &Scene, settings: &MeshSettings) -> Result<PatchMesh, MeshEr
     if outlines.is_empty() {
         return Err(MeshError::Empty);
     }
-    let mut search = Search::new(scene, &outlines, size);
-    let reached: Vec<[Reach; 2]> = match settings.backs {
+    let sheets = Sheets::new(&outlines, size);
+    let mut search = Search::new(scene, &outlines, &sheets, size);
+    let mut reached: Vec<[Reach; 2]> = match settings.backs {
         Backs::Reached => search.sides(),
         Backs::None => outlines
             .iter()
@@ -105,6 +107,11 @@ pub fn build(scene: &Scene, settings: &MeshSettings) -> Result<PatchMesh, MeshEr
             .collect(),
         Backs::All => vec![[Reach::Lit; 2]; outlines.len()],
     };
+    for (reached, backing) in reached.iter_mut().zip(&sheets.backing) {
+        if *backing == Backing::Whole {
+            reached[Side::Back as usize] = Reach::Backed;
+        }
+    }
     let sides: Vec<[bool; 2]> = reached.iter().map(|r| r.map(|side| side == Reach::Lit)).collect();
 
     // 2. Choose the patch size and cut.
@@ -133,11 +140,14 @@ pub fn build(scene: &Scene, settings: &MeshSettings) -> Result<PatchMesh, MeshEr
             mesh.contacts.push(contacts);
             groups
         };
-        // 3. One patch a group and lit side.
+        // 3. One patch a group and lit side; none where another surface lies on the back.
+        mark_backed(&mut mesh, &sheets, index);
         for side in [Side::Front, Side::Back] {
             if sides[index][side as usize] {
                 for group in &groups {
-                    patches::append(&mut mesh, scene, outline, side, group, settings.textures);
+                    let is_open = |p: &&u32| side == Side::Front || !mesh.pieces[**p as usize].backed;
+                    let open: Vec<u32> = group.iter().filter(is_open).copied().collect();
+                    patches::append(&mut mesh, scene, outline, side, &open, settings.textures);
                 }
             }
         }
@@ -145,8 +155,12 @@ pub fn build(scene: &Scene, settings: &MeshSettings) -> Result<PatchMesh, MeshEr
     if mesh.patches.is_empty() {
         return Err(MeshError::Empty);
     }
-    for (region, reached) in mesh.regions.iter_mut().zip(&reached) {
-        region.dark = reached.map(|side| side == Reach::Dark);
+    let front_is_dark = |&index: &u32| reached[index as usize][Side::Front as usize] == Reach::Dark;
+    for (index, region) in mesh.regions.iter_mut().enumerate() {
+        region.dark = reached[index].map(|side| side == Reach::Dark);
+        if region.backing == Backing::Whole {
+            region.dark[Side::Back as usize] = sheets.backers[index].iter().all(front_is_dark);
+        }
     }
     if settings.backs == Backs::Reached {
         let found = search.buried(&reached, &mesh.patches, |patch| patches::inner_points(&mesh, patch));
@@ -161,6 +175,18 @@ pub fn build(scene: &Scene, settings: &MeshSettings) -> Result<PatchMesh, MeshEr
     mesh.blockers = blockers(&outlines, size);
     mesh.statistics = statistics(&mesh, scene, &sides, dropped, patch_size);
     Ok(mesh)
+}
+
+/// Notes which pieces of the last region, made of the outline at `index`, have another surface on their back.
+fn mark_backed(mesh: &mut PatchMesh, sheets: &Sheets<'_>, index: usize) {
+    let Some(region) = mesh.regions.last_mut() else { return };
+    region.backing = sheets.backing[index];
+    for p in region.pieces.clone() {
+        let piece = &mesh.pieces[p as usize];
+        let corners: Vec<glam::DVec2> = mesh.corners_of(piece).iter().map(|c| c.plane).collect();
+        let backed = sheets.covers_back(index, crate::geometry::polygon::centroid_2d(&corners));
+        mesh.pieces[p as usize].backed = backed;
+    }
 }
 
 /// Convex parts of surfaces large enough to hide much of the scene, by falling area.

@@ -8,7 +8,7 @@ use super::repair::repair;
 use super::sidecar::{Sidecar, Source};
 use super::space::Space;
 use super::types::{FrameChoice, Scene, SceneSource};
-use super::{builtin, frame, mtl, names, obj, views};
+use super::{builtin, frame, mtl, names, obj, sides, views};
 use crate::geometry::Aabb;
 use glam::DVec3;
 use std::io;
@@ -160,6 +160,7 @@ fn build(input: Input<'_>) -> Result<Scene, SceneError> {
         objects: &obj.objects,
         materials: &materials.list,
         exitance: &materials.exitance,
+        partners: &sides::partners(&positions, &surfaces),
     };
     let mut normals = repaired.normals;
     let luminaires = gather(&parts, &mut surfaces, &mut normals, sidecar.as_ref().zip(sidecar_source))?;

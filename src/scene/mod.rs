@@ -30,6 +30,7 @@ mod obj;
 mod repair;
 mod sidecar;
 mod sidecar_write;
+mod sides;
 mod space;
 mod summary;
 mod tally;

@@ -1,6 +1,7 @@
 //! The faces of a scene made ready to be looked at: planes, triangles and a hierarchy over these.
 
 use crate::geometry::{Bvh, polygon};
+use crate::scene::sides::partners;
 use crate::scene::types::Scene;
 use crate::scene::views::triangles;
 use glam::DVec3;
@@ -43,6 +44,8 @@ pub(super) struct Survey<'a> {
     /// The face that each triangle is a part of.
     pub(super) owners: Vec<u32>,
     outlines: Vec<Vec<DVec3>>,
+    /// For each face the one that is written for its other side.
+    pub(super) partners: Vec<Option<u32>>,
     triangles: Vec<[DVec3; 3]>,
     ranges: Vec<Range<usize>>,
 }
@@ -64,6 +67,7 @@ impl<'a> Survey<'a> {
             planes: outlines.iter().map(|outline| Plane::of(outline)).collect(),
             bvh: Bvh::build(&triangles),
             owners,
+            partners: partners(&scene.positions, &scene.surfaces),
             outlines,
             triangles,
             ranges,
@@ -88,6 +92,11 @@ impl<'a> Survey<'a> {
             on_one = on_one || (self.owners[triangle as usize] != face && near());
         });
         on_one
+    }
+
+    /// Unit normal on the front of the face that a triangle is a part of.
+    pub(super) fn normal_of(&self, triangle: u32) -> DVec3 {
+        self.planes[self.owners[triangle as usize] as usize].normal
     }
 
     /// Name of the object that a face belongs to.

@@ -7,6 +7,7 @@ use crate::scene::luminaires::turn;
 use crate::scene::mtl::{image_name, library_files};
 use crate::scene::obj::{keyword, logical_lines};
 use crate::scene::sidecar::{EmitsKey, Source};
+use crate::scene::sides::partners;
 use crate::scene::types::{Scene, SceneSource};
 use std::fmt::Write as _;
 use std::path::{Component, Path, PathBuf};
@@ -109,8 +110,11 @@ pub(super) fn obj(scene: &Scene, originals: &Originals, copy: &Path) -> String {
     // Surfaces that emit from the back were turned when they were read, and will be again.
     let mut scene = scene.clone();
     let from_the_back = back_emitters(&scene, originals);
-    for surface in &mut scene.surfaces {
-        if surface.luminaire.is_some_and(|lamp| from_the_back.contains(&lamp)) {
+    let partners = partners(&scene.positions, &scene.surfaces);
+    let lamps: Vec<Option<u32>> = scene.surfaces.iter().map(|s| s.luminaire).collect();
+    let is_turned = |lamp: Option<u32>| lamp.is_some_and(|lamp| from_the_back.contains(&lamp));
+    for ((surface, &lamp), partner) in scene.surfaces.iter_mut().zip(&lamps).zip(&partners) {
+        if is_turned(lamp) || partner.is_some_and(|other| is_turned(lamps[other as usize])) {
             turn(surface, &mut scene.normals);
         }
     }
