@@ -149,12 +149,12 @@ fn doubted_unit(
             format!(
                 "{what} {} m high; in {} {} be {:.2} m: {}",
                 rounded(size),
-                name(unit),
+                unit.name(),
                 if room.is_some() { "they would" } else { "it would" },
                 in_unit(unit),
                 how_to(
                     scene,
-                    capitalised(name(unit)).as_str(),
+                    capitalised(unit.name()).as_str(),
                     &format!("--unit {symbol}"),
                     &format!("unit = \"{symbol}\"")
                 ),
@@ -180,16 +180,6 @@ fn rounded(metres: f64) -> String {
         format!("{metres:.2}")
     } else {
         format!("{metres:.2e}")
-    }
-}
-
-fn name(unit: LengthUnit) -> &'static str {
-    match unit {
-        LengthUnit::Millimetre => "millimetres",
-        LengthUnit::Centimetre => "centimetres",
-        LengthUnit::Metre => "metres",
-        LengthUnit::Inch => "inches",
-        LengthUnit::Foot => "feet",
     }
 }
 

@@ -105,7 +105,7 @@ impl App {
     /// What is not saved yet, in words. Embedded scenes have no file to save to.
     fn unsaved(&self) -> Option<String> {
         let scene = self.scene_shown.as_ref()?;
-        matches!(scene.source, SceneSource::File(_)).then_some(())?;
+        scene.source.path()?;
         self.work(scene).changes(&self.saved)
     }
 
@@ -145,7 +145,7 @@ impl App {
 
     /// A file has been written: where it is the sidecar, its contents are saved, and who wanted to leave does.
     pub(super) fn has_saved(&mut self, ctx: &egui::Context, path: &Path) {
-        let Some(SceneSource::File(model)) = self.scene_shown.as_ref().map(|scene| &scene.source) else {
+        let Some(model) = self.scene_shown.as_ref().and_then(|scene| scene.source.path()) else {
             return;
         };
         if *path != sidecar_path(model) {
@@ -183,7 +183,7 @@ impl App {
             self.leave(ui.ctx(), leaving.to);
             return;
         };
-        let SceneSource::File(path) = &scene.source else { return };
+        let Some(path) = scene.source.path() else { return };
         let sidecar = sidecar_path(path);
         let sidecar = sidecar.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
         let mut answer = None;
