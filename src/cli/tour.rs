@@ -40,7 +40,7 @@ impl FrameFolder {
         let height = bounds.size().dot(up).abs();
         let eyes: Vec<_> = scene.views.iter().map(|view| view.eye).collect();
         let space = FreeSpace::new(&scene.main_triangles(&extent), &eyes, up, person_scale(height));
-        let pace = walking_pace(height, bounds.diagonal());
+        let pace = walking_pace(height, extent.scale);
         let tour = Tour::walk(&scene.views, up, pace, &space).ok_or_else(|| {
             Failure::input(format!(
                 "a tour needs two bookmarks at least, and {} has {}",

@@ -155,9 +155,17 @@ impl<'a> Surveyor<'a> {
 
     /// Where one can stand, and what one sees there.
     fn places(&self) -> Vec<Place> {
-        let below_lamps = self.below_lamps.iter().filter_map(|&lamp| self.space.floor_below(lamp, self.up));
         let mut floors: Vec<Floor> = self.space.floors(self.up, CANDIDATES);
-        floors.extend(below_lamps);
+        for &lamp in &self.below_lamps {
+            floors.extend(self.space.floor_below(lamp, self.up));
+            // Beside it as well: right below there is often a table.
+            for angle in [0.0, 0.25, 0.5, 0.75].map(|turn| TAU * turn) {
+                let (way, aside) = (self.level(angle), 1.3 * self.scale);
+                if self.space.distance(lamp, way).is_none_or(|free| free > aside) {
+                    floors.extend(self.space.floor_below(lamp + way * aside, self.up));
+                }
+            }
+        }
         let standing: Vec<DVec3> = floors.iter().filter_map(|floor| self.stand_on(floor)).collect();
         let step = standing.len().div_ceil(SURVEYED).max(1);
         standing.iter().step_by(step).filter_map(|&eye| self.survey(eye)).collect()
@@ -237,9 +245,8 @@ impl<'a> Surveyor<'a> {
     /// Of these places, sorted by how far one sees, the one and the way to look whose picture tells most.
     fn most_telling(&self, places: &[Place]) -> Option<Place> {
         let ways = places.iter().take(COMPARED).flat_map(|place| {
-            let open = (0..AZIMUTHS).step_by(2).map(|azimuth| self.looking(place, azimuth));
-            let open = open.filter(|looking| looking.openness > 0.6 * place.openness);
-            open.chain([*place])
+            let all = (0..AZIMUTHS).step_by(2).map(move |azimuth| self.looking(place, azimuth));
+            all.filter(move |looking| looking.openness > 0.6 * place.openness).chain([*place])
         });
         let rated = ways.map(|place| (self.worth(&place), place));
         rated.max_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, place)| place)

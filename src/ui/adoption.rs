@@ -68,7 +68,7 @@ impl App {
                 view,
                 up,
                 size.dot(up),
-                size.length(),
+                prepared.mesh.size,
                 self.visit.motion,
                 self.state.eye_height,
             )

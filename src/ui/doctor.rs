@@ -134,8 +134,8 @@ impl Doctor {
 /// That the model seems to lie on its side or to be in another unit, with a button that sets it right.
 pub(super) fn frame_banner(model: &Model<'_>) -> Option<Banner> {
     let scene = model.scene.filter(|scene| scene.source.path().is_some())?;
-    let doubts = scene.findings.iter().filter(|finding| finding.severity >= Severity::Warning);
-    let (unit, up) = doubts.filter_map(|finding| finding.remedy).next()?;
+    let mut doubts = scene.findings.iter().filter(|finding| finding.severity >= Severity::Warning);
+    let (unit, up) = doubts.find_map(|finding| finding.remedy)?;
     let mut seems = Vec::new();
     if up != scene.up {
         seems.push("to lie on its side".to_owned());

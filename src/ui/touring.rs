@@ -102,7 +102,7 @@ impl App {
             let height = bounds.size().dot(up).abs();
             let eyes: Vec<_> = views.iter().map(|view| view.eye).collect();
             let space = FreeSpace::new(&scene.main_triangles(&extent), &eyes, up, person_scale(height));
-            Tour::walk(&views, up, walking_pace(height, bounds.diagonal()), &space)
+            Tour::walk(&views, up, walking_pace(height, extent.scale), &space)
         };
         let wake = ctx.clone();
         self.tours.ask(&playing.plan, find, move || wake.request_repaint());
