@@ -1,29 +1,15 @@
 //! Whether a model lies on its side, and whether it is in the unit that it is read in.
 //!
-//! OBJ files say neither. What speaks for an axis are lamps, which shine down; names of floors and
-//! ceilings; level area, in buildings more than upright area in any one direction; and furniture, which
-//! stands on one level. Geometry alone has to be clear, as a front of a house looks like a floor that
-//! lies. What speaks for a unit is the height of the rooms.
+//! OBJ files say neither. What speaks for a unit is the height of the rooms; for an axis see
+//! [`super::up_axis`].
 
 use super::extent::Extent;
 use super::finding::{Finding, FindingKind, Severity};
 use super::space::Space;
 use super::types::{FrameChoice, LengthUnit, Scene, SceneSource, UpAxis};
-use crate::geometry::{Aabb, polygon};
+use super::up_axis::up_evidence;
 use glam::DVec3;
 use std::ops::RangeInclusive;
-
-/// Words for floors and ceilings in names of objects and materials.
-const FLOORS: [&str; 8] = ["floor", "boden", "vloer", "plancher", "pavimento", "suelo", "carpet", "parquet"];
-const CEILINGS: [&str; 6] = ["ceiling", "decke", "plafond", "soffitto", "techo", "ceil_"];
-/// Votes that +z needs to be proposed.
-const ENOUGH: f64 = 3.0;
-/// Votes that it needs more than +y has.
-const LEAD: f64 = 2.0;
-/// A face is perpendicular to an axis where its normal is this near to it.
-const ALIGNED: f64 = 0.985;
-/// Levels are told apart by this share of the height.
-const LEVELS: usize = 250;
 
 /// Rooms are this high, metres.
 const ROOM_HEIGHT: RangeInclusive<f64> = 2.0..=4.5;
@@ -84,9 +70,18 @@ pub(super) fn judge(scene: &Scene, extent: &Extent, space: &Space, stated: Frame
         None => 1.0,
     };
     let here = if up == scene.up { room } else { space.headroom(scene.up.vector()) };
-    let tall = here.unwrap_or(if height > 0.0 { height } else { 0.6 * extent.main.diagonal() });
-    let scale = if tall > HIGHEST_HALL * adult { 0.25 * tall } else { adult.min(tall / 2.4) };
+    let tall = extent.main.size().dot(scene.up.vector());
+    let scale = match here {
+        Some(room) if room > HIGHEST_HALL * adult => 0.25 * room,
+        _ if tall > 0.0 => adult.min(tall / 2.4),
+        _ => 0.25 * extent.main.diagonal(),
+    };
     Judgement { findings, scale: if scale > 0.0 && scale.is_finite() { scale } else { 1.0 } }
+}
+
+/// Whether a model is of no size that anything is built in.
+pub(super) fn is_absurd(extent: &Extent) -> bool {
+    !BELIEVABLE_EXTENT.contains(&extent.main.size().max_element())
 }
 
 /// How the user may follow an advice.
@@ -116,7 +111,7 @@ fn doubted_unit(
 ) -> Option<Doubt> {
     use LengthUnit::{Centimetre, Foot, Inch, Metre, Millimetre};
     let longest = extent.main.size().max_element();
-    let absurd = !BELIEVABLE_EXTENT.contains(&longest);
+    let absurd = is_absurd(extent);
     if stated.unit.is_some() && !absurd {
         return None;
     }
@@ -154,19 +149,20 @@ fn doubted_unit(
             format!(
                 "{what} {} m high; in {} {} be {:.2} m: {}",
                 rounded(size),
-                name(unit),
+                unit.name(),
                 if room.is_some() { "they would" } else { "it would" },
                 in_unit(unit),
                 how_to(
                     scene,
-                    capitalised(name(unit)).as_str(),
+                    capitalised(unit.name()).as_str(),
                     &format!("--unit {symbol}"),
                     &format!("unit = \"{symbol}\"")
                 ),
             )
         }
         None if absurd => format!(
-            "the model measures {longest:.3e} m, which is no size for a building; choose its unit: {}",
+            "the model measures {longest:.3e} m, which is very {} for a building; choose its unit: {}",
+            if longest > *BELIEVABLE_EXTENT.end() { "large" } else { "small" },
             how_to(scene, "...", "--unit mm, cm, m, in or ft", "unit = \"...\"")
         ),
         None => format!(
@@ -184,16 +180,6 @@ fn rounded(metres: f64) -> String {
         format!("{metres:.2}")
     } else {
         format!("{metres:.2e}")
-    }
-}
-
-fn name(unit: LengthUnit) -> &'static str {
-    match unit {
-        LengthUnit::Millimetre => "millimetres",
-        LengthUnit::Centimetre => "centimetres",
-        LengthUnit::Metre => "metres",
-        LengthUnit::Inch => "inches",
-        LengthUnit::Foot => "feet",
     }
 }
 
@@ -237,180 +223,211 @@ fn drop_beside(space: &Space, place: DVec3, aside: f64, up: DVec3) -> Option<f64
     drops.filter_map(|&side| space.distance(from + side * aside, -up)).max_by(f64::total_cmp)
 }
 
-/// Votes for each axis as the upright one, and what cast them for z.
-struct UpEvidence {
-    votes: [f64; 3],
-    reasons: Vec<&'static str>,
-}
+#[cfg(test)]
+mod tests {
+    use super::super::from_text;
+    use super::*;
 
-impl UpEvidence {
-    fn vote(&mut self, axis: usize, votes: f64, reason: &'static str) {
-        self.votes[axis] += votes;
-        if axis == 2 {
-            self.reasons.push(reason);
+    /// A model made of quads, written with y or z up.
+    #[derive(Default)]
+    struct Model {
+        text: String,
+        corners: usize,
+    }
+
+    impl Model {
+        fn new(name: &str) -> Self {
+            Self { text: format!("mtllib m.mtl\no {name}\n"), corners: 0 }
+        }
+
+        fn object(&mut self, name: &str, material: &str) -> &mut Self {
+            self.text += &format!("o {name}\nusemtl {material}\n");
+            self
+        }
+
+        fn quad(&mut self, corners: [[f64; 3]; 4]) -> &mut Self {
+            for [x, y, z] in corners {
+                self.text += &format!("v {x} {y} {z}\n");
+            }
+            let n = self.corners;
+            self.text += &format!("f {} {} {} {}\n", n + 1, n + 2, n + 3, n + 4);
+            self.corners += 4;
+            self
+        }
+
+        /// A level face that faces up, or down.
+        fn level(&mut self, [x, y, z]: [f64; 3], [w, d]: [f64; 2], upwards: bool) -> &mut Self {
+            let (a, b) = ([x, y, z], [x + w, y, z]);
+            let (c, e) = ([x + w, y, z + d], [x, y, z + d]);
+            if upwards { self.quad([a, e, c, b]) } else { self.quad([a, b, c, e]) }
+        }
+
+        fn block(&mut self, [x, y, z]: [f64; 3], [w, h, d]: [f64; 3]) -> &mut Self {
+            self.level([x, y, z], [w, d], false).level([x, y + h, z], [w, d], true);
+            self.walls([x, y, z], [w, h, d])
+        }
+
+        fn walls(&mut self, [x, y, z]: [f64; 3], [w, h, d]: [f64; 3]) -> &mut Self {
+            for at in [z, z + d] {
+                self.quad([[x, y, at], [x + w, y, at], [x + w, y + h, at], [x, y + h, at]]);
+            }
+            for at in [x, x + w] {
+                self.quad([[at, y, z], [at, y + h, z], [at, y + h, z + d], [at, y, z + d]]);
+            }
+            self
+        }
+
+        fn scaled(&self, factor: f64) -> Self {
+            self.mapped(|[x, y, z]| [x * factor, y * factor, z * factor])
+        }
+
+        fn z_up(&self) -> Self {
+            self.mapped(|[x, y, z]| [x, -z, y])
+        }
+
+        fn mapped(&self, map: impl Fn([f64; 3]) -> [f64; 3]) -> Self {
+            let line = |line: &str| match line.strip_prefix("v ") {
+                Some(rest) => {
+                    let values: Vec<f64> = rest.split(' ').map(|word| word.parse().unwrap()).collect();
+                    let [x, y, z] = map([values[0], values[1], values[2]]);
+                    format!("v {x} {y} {z}\n")
+                }
+                None => format!("{line}\n"),
+            };
+            Self { text: self.text.lines().map(line).collect(), corners: self.corners }
+        }
+
+        fn doubts(&self, sidecar: &str) -> Vec<Finding> {
+            let mtl = "newmtl a\nKd 0.5 0.5 0.5\nnewmtl light\nKd 0 0 0\nKe 9 9 9\n";
+            let scene = from_text("t", &self.text, mtl, Some(sidecar)).unwrap();
+            let kinds = [FindingKind::Unit, FindingKind::UpAxis];
+            scene.findings.into_iter().filter(|finding| kinds.contains(&finding.kind)).collect()
+        }
+
+        /// What would set it right, by the first doubt.
+        fn remedy(&self) -> Option<(LengthUnit, UpAxis)> {
+            self.doubts("").first().and_then(|finding| finding.remedy)
         }
     }
 
-    /// Why z seems to be up, where it does.
-    fn proposal(self) -> Option<String> {
-        let [x, y, z] = self.votes;
-        (z >= ENOUGH && z >= y.max(x) + LEAD).then(|| match &self.reasons[..] {
-            [all @ .., last] if !all.is_empty() => format!("{} and {last}", all.join(", ")),
-            all => all.concat(),
-        })
+    /// One storey with a table, chairs and shelves; no names and no lamp.
+    fn storey() -> Model {
+        let mut model = Model::new("house");
+        model.object("part", "a").level([0.0; 3], [9.0, 7.0], true).level([0.0, 2.6, 0.0], [9.0, 7.0], false);
+        model.walls([0.0; 3], [9.0, 2.6, 7.0]).walls([4.0, 0.0, 0.0], [0.1, 2.6, 5.0]);
+        for k in 0..12 {
+            let (x, z) = (f64::from(k % 4) * 1.93 + 0.4, f64::from(k / 4) * 1.71 + 0.5);
+            let height = [0.45, 0.74, 0.9][k as usize % 3];
+            model.object(&format!("thing{k}"), "a").block([x, 0.0, z], [0.6, height, 0.8]);
+        }
+        model
     }
-}
 
-fn up_evidence(scene: &Scene, extent: &Extent) -> UpEvidence {
-    let mut evidence = UpEvidence { votes: [0.0; 3], reasons: Vec::new() };
-    let faces: Vec<Face> = (0_u32..)
-        .zip(&scene.surfaces)
-        .filter(|(index, _)| extent.stray.binary_search(index).is_err())
-        .map(|(index, surface)| {
-            let outline = scene.polygon(surface);
-            Face { index, area: polygon::area_vector(&outline), bounds: Aabb::around(outline) }
-        })
-        .collect();
-    lamps(scene, &faces, &mut evidence);
-    let words = [(&FLOORS[..], "floors are level in z"), (&CEILINGS[..], "ceilings are level in z")];
-    for (words, reason) in words {
-        named(scene, &faces, words, reason, &mut evidence);
+    fn lamp(model: &mut Model, at: [f64; 3]) {
+        model.object("lamp", "light").level(at, [0.6, 0.6], false);
     }
-    level_areas(&faces, &extent.main, &mut evidence);
-    standing(scene, &faces, extent, &mut evidence);
-    evidence
-}
 
-struct Face {
-    /// Into the scene's surfaces.
-    index: u32,
-    /// Normal times area.
-    area: DVec3,
-    bounds: Aabb,
-}
+    #[test]
+    fn a_furnished_storey_is_seen_to_lie_on_its_side() {
+        let model = storey();
+        assert!(model.doubts("").is_empty(), "{:?}", model.doubts(""));
+        assert_eq!(model.z_up().remedy(), Some((LengthUnit::Metre, UpAxis::Z)));
+        let doubts = model.z_up().doubts("");
+        assert!(doubts[0].message.contains("lie on its side") && doubts[0].message.contains("up = \"z\""));
+        for stated in ["up = \"z\"", "up = \"y\""] {
+            assert!(model.z_up().doubts(stated).is_empty(), "what is stated is not doubted");
+        }
+    }
 
-/// Lamps shine down.
-fn lamps(scene: &Scene, faces: &[Face], evidence: &mut UpEvidence) {
-    let lit = faces.iter().filter(|face| scene.surfaces[face.index as usize].luminaire.is_some());
-    let (mut sum, mut total) = (DVec3::ZERO, 0.0);
-    for face in lit {
-        sum += face.area;
-        total += face.area.length();
+    #[test]
+    fn lamps_and_names_tell_up_where_shapes_do_not() {
+        // A tower: most of its area is upright.
+        let mut tower = Model::new("tower");
+        for k in 0..9 {
+            let y = 3.0 * f64::from(k);
+            tower.object(&format!("floor {k}"), "a").level([0.0, y, 0.0], [5.0, 5.0], true);
+            tower.object("part", "a").walls([0.0, y, 0.0], [5.0, 3.0, 5.0]);
+            tower.object(&format!("ceiling {k}"), "a").level([0.0, y + 2.8, 0.0], [5.0, 5.0], false);
+            lamp(&mut tower, [2.0, y + 2.7, 2.0]);
+        }
+        assert!(tower.doubts("").is_empty(), "{:?}", tower.doubts(""));
+        assert_eq!(tower.z_up().remedy(), Some((LengthUnit::Metre, UpAxis::Z)));
+        // A corridor along x: its long walls are larger than its floor.
+        let mut corridor = Model::new("corridor");
+        corridor.object("part", "a").block([0.0; 3], [30.0, 3.0, 1.8]);
+        lamp(&mut corridor, [15.0, 2.9, 0.6]);
+        assert!(corridor.doubts("").is_empty(), "{:?}", corridor.doubts(""));
+        assert_eq!(corridor.z_up().doubts("").len(), 0, "a lamp alone is not enough");
     }
-    let share = sum / f64::max(total, f64::MIN_POSITIVE);
-    let axis = share.abs().max_position();
-    if share[axis].abs() > 0.5 && share.length() - share[axis].abs() < 0.1 {
-        let votes = if share[axis] < 0.0 { 2.0 } else { 1.0 };
-        evidence.vote(axis, votes, "its lamps shine along z");
-    }
-}
 
-/// What is called a floor or a ceiling is level.
-fn named(scene: &Scene, faces: &[Face], words: &[&str], reason: &'static str, evidence: &mut UpEvidence) {
-    let has_word = |name: &str| {
-        let name = name.to_lowercase();
-        words.iter().any(|word| name.contains(word))
-    };
-    let objects: Vec<bool> = scene.objects.iter().map(|name| has_word(name)).collect();
-    let materials: Vec<bool> = scene.materials.iter().map(|material| has_word(&material.name)).collect();
-    let (mut sum, mut named, mut all) = (DVec3::ZERO, 0.0, 0.0);
-    for face in faces {
-        let surface = &scene.surfaces[face.index as usize];
-        all += face.area.length();
-        if objects[surface.object as usize] || materials[surface.material as usize] {
-            named += face.area.length();
-            sum += face.area.abs();
+    #[test]
+    fn where_nothing_speaks_for_an_axis_nothing_is_said() {
+        let mut cornell = Model::new("box");
+        cornell.object("part", "a").block([0.0; 3], [0.55, 0.55, 0.56]);
+        cornell.block([0.1, 0.0, 0.1], [0.16, 0.33, 0.16]).block([0.3, 0.0, 0.3], [0.16, 0.16, 0.16]);
+        // The front of a house: windows and ledges on a wall.
+        let mut front = Model::new("front");
+        front.object("part", "a").quad([
+            [0.0, 0.0, 0.0],
+            [20.0, 0.0, 0.0],
+            [20.0, 12.0, 0.0],
+            [0.0, 12.0, 0.0],
+        ]);
+        for k in 0..24 {
+            let at = [f64::from(k % 6) * 3.1 + 1.0, f64::from(k / 6) * 2.9 + 0.7, 0.0];
+            front.object(&format!("window{k}"), "a").block(at, [1.1, 1.4, 0.2]);
         }
+        let tilted = storey().mapped(|[x, y, z]| [x, y * 0.8 - z * 0.6, y * 0.6 + z * 0.8]);
+        for (what, model) in [("a Cornell box", &cornell), ("a front", &front), ("a tilted storey", &tilted)]
+        {
+            assert!(model.doubts("").is_empty(), "{what}: {:?}", model.doubts(""));
+        }
+        assert!(cornell.z_up().doubts("").is_empty());
+        assert!(storey().mapped(|[x, y, z]| [y, x, z]).doubts("").is_empty(), "x is no axis to choose");
     }
-    let axis = sum.max_position();
-    if named > 0.01 * all && sum[axis] > 0.75 * named {
-        evidence.vote(axis, 1.5, reason);
-    }
-}
 
-/// Floors and ceilings are the largest parallel areas of most buildings, and lie in few levels.
-fn level_areas(faces: &[Face], main: &Aabb, evidence: &mut UpEvidence) {
-    let size = main.size();
-    let mut areas = [0.0; 3];
-    let mut concentrations = [0.0; 3];
-    let mut is_storeyed = [false; 3];
-    for axis in 0..3 {
-        let mut levels = vec![0.0; LEVELS + 1];
-        for face in faces.iter().filter(|face| face.area[axis].abs() > ALIGNED * face.area.length()) {
-            let height = (face.bounds.centre()[axis] - main.min[axis]) / size[axis].max(f64::MIN_POSITIVE);
-            levels[((height * LEVELS as f64) as usize).min(LEVELS)] += face.area.length();
+    #[test]
+    fn the_height_of_rooms_tells_the_unit() {
+        use LengthUnit::{Centimetre, Foot, Inch, Millimetre};
+        for (factor, unit) in
+            [(1000.0, Millimetre), (100.0, Centimetre), (1.0 / 0.0254, Inch), (1.0 / 0.3048, Foot)]
+        {
+            let model = storey().scaled(factor);
+            assert_eq!(model.remedy(), Some((unit, UpAxis::Y)), "{unit:?}");
+            assert_eq!(model.z_up().remedy(), Some((unit, UpAxis::Z)), "{unit:?}, on its side");
+            let doubts = model.doubts("");
+            let symbol = format!("unit = \"{}\"", unit.symbol());
+            assert!(doubts.len() == 1 && doubts[0].severity == Severity::Warning, "{doubts:?}");
+            let message = &doubts[0].message;
+            assert!(message.contains(&symbol) && message.contains("2.60 m"), "{message}");
+            assert!(model.doubts(&symbol).is_empty(), "stated: {unit:?}");
         }
-        areas[axis] = levels.iter().sum::<f64>();
-        let squares: f64 = levels.iter().map(|area| area * area).sum();
-        concentrations[axis] = squares / (areas[axis] * areas[axis]).max(f64::MIN_POSITIVE);
-        // A floor and something above it; the front of a house has only itself.
-        let across = size.element_product() / size[axis].max(f64::MIN_POSITIVE);
-        is_storeyed[axis] = levels.iter().filter(|&&area| area > 0.35 * across).count() >= 2;
+        // A hall of 9 m with chairs in it is a hall.
+        let mut hall = Model::new("hall");
+        hall.object("part", "a").block([0.0; 3], [30.0, 9.0, 20.0]);
+        for k in 0..60 {
+            let at = [f64::from(k % 10) * 2.0 + 4.0, 0.0, f64::from(k / 10) * 2.0 + 4.0];
+            hall.object(&format!("chair{k}"), "a").block(at, [0.9, 0.45, 0.9]);
+        }
+        assert!(hall.doubts("").is_empty(), "{:?}", hall.doubts(""));
+        // An empty one may be a room in feet: a note.
+        let mut empty = Model::new("hall");
+        empty.object("part", "a").block([0.0; 3], [30.0, 9.0, 20.0]);
+        assert!(matches!(&empty.doubts("")[..], [one] if one.severity == Severity::Note));
+        // In no unit a room: no unit is proposed.
+        let odd = storey().scaled(13.12);
+        assert!(matches!(&odd.doubts("")[..], [one] if one.remedy.is_none()), "{:?}", odd.doubts(""));
     }
-    for axis in (0..3).filter(|&axis| is_storeyed[axis]) {
-        let others = |of: &[f64; 3]| (0..3).filter(|&k| k != axis).map(|k| of[k]).fold(0.0, f64::max);
-        let ratio = areas[axis] / others(&areas).max(f64::MIN_POSITIVE);
-        if ratio > 1.15 {
-            let votes = if ratio > 1.5 { 2.0 } else { 1.0 };
-            evidence.vote(axis, votes, "most of its area is level in z");
-        }
-        if concentrations[axis] > 2.5 * others(&concentrations) {
-            evidence.vote(axis, 1.5, "its area lies in few levels of z");
-        }
-    }
-}
 
-/// Furniture stands on one level, and at all places of it.
-fn standing(scene: &Scene, faces: &[Face], extent: &Extent, evidence: &mut UpEvidence) {
-    const FEWEST: usize = 8;
-    let things: Vec<Aabb> = joined(scene, faces)
-        .into_iter()
-        .filter(|thing| thing.diagonal() < 0.4 * extent.main.diagonal())
-        .collect();
-    if things.len() < FEWEST {
-        return;
-    }
-    let share = |axis: usize| {
-        let step = 0.003 * extent.main.size().max_element();
-        let mut feet: Vec<i64> =
-            things.iter().map(|t| ((t.min[axis] - extent.main.min[axis]) / step).round() as i64).collect();
-        feet.sort_unstable();
-        let most = feet.chunk_by(|a, b| a == b).map(<[i64]>::len).max().unwrap_or(0);
-        most as f64 / things.len() as f64
-    };
-    let shares = [share(0), share(1), share(2)];
-    for axis in 0..3 {
-        let others = (0..3).filter(|&k| k != axis).map(|k| shares[k]).fold(0.0, f64::max);
-        if shares[axis] > 1.5 * others {
-            evidence.vote(axis, 1.0, "most things stand on one level of z");
+    #[test]
+    fn sizes_of_countries_and_atoms_are_doubted_even_where_they_are_stated() {
+        for factor in [1e6, 1e-6] {
+            let doubts = storey().scaled(factor).doubts("unit = \"m\"\nup = \"y\"");
+            assert!(doubts.len() == 1 && doubts[0].message.contains("--unit"), "{doubts:?}");
         }
+        let upright = "v 0 0 0\nv 4000 0 0\nv 4000 3000 0\nf 1 2 3\n";
+        let findings = from_text("t", upright, "", None).unwrap().findings;
+        let has = |words: &str| findings.iter().any(|finding| finding.message.contains(words));
+        assert!(has("unit = \"mm\"") && has("3.00 m"), "{findings:?}");
     }
-}
-
-/// Boxes around all that hangs together by shared corners.
-fn joined(scene: &Scene, faces: &[Face]) -> Vec<Aabb> {
-    let mut parent: Vec<u32> = (0..scene.positions.len() as u32).collect();
-    fn root(parent: &mut [u32], mut corner: u32) -> u32 {
-        while parent[corner as usize] != corner {
-            parent[corner as usize] = parent[parent[corner as usize] as usize];
-            corner = parent[corner as usize];
-        }
-        corner
-    }
-    for face in faces {
-        let corners = &scene.surfaces[face.index as usize].corners;
-        for pair in corners.windows(2) {
-            let (a, b) = (root(&mut parent, pair[0].position), root(&mut parent, pair[1].position));
-            parent[a.max(b) as usize] = a.min(b);
-        }
-    }
-    let mut boxes = vec![Aabb::EMPTY; scene.positions.len()];
-    for face in faces {
-        if let Some(corner) = scene.surfaces[face.index as usize].corners.first() {
-            let place = root(&mut parent, corner.position) as usize;
-            boxes[place] = boxes[place].union(face.bounds);
-        }
-    }
-    boxes.retain(|bounds| !bounds.is_empty());
-    boxes
 }

@@ -211,7 +211,7 @@ fn judge(scene: &mut Scene, stated: FrameChoice) {
     let extent = scene.extent();
     let mut findings = Vec::new();
     extent::report(scene, &extent, &mut findings);
-    let is_known = stated.unit.is_some() && stated.up.is_some();
+    let is_known = stated.unit.is_some() && stated.up.is_some() && !frame::is_absurd(&extent);
     if scene.views.is_empty() || !is_known {
         let space = Space::of(scene, &extent);
         let judgement = frame::judge(scene, &extent, &space, stated);

@@ -36,6 +36,7 @@ mod summary;
 mod tally;
 mod textures;
 mod types;
+mod up_axis;
 mod views;
 
 pub use colour::black_body;

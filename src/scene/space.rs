@@ -79,14 +79,18 @@ impl Space {
         let [a, b, c] = self.triangles[triangle as usize];
         let (s, t) = if s + t > 1.0 { (1.0 - s, 1.0 - t) } else { (s, t) };
         let place = a + (b - a) * s + (c - a) * t;
-        Floor { place, headroom: self.distance(place + up * self.slack, up) }
+        self.floor_at(place, up)
+    }
+
+    fn floor_at(&self, place: DVec3, up: DVec3) -> Floor {
+        let above = self.distance(place + up * self.slack, up);
+        Floor { place, headroom: above.map(|room| room + self.slack) }
     }
 
     /// The floor below a place.
     pub(super) fn floor_below(&self, place: DVec3, up: DVec3) -> Option<Floor> {
         let down = self.distance(place - up * self.slack, -up)? + self.slack;
-        let place = place - up * down;
-        Some(Floor { place, headroom: self.distance(place + up * self.slack, up) })
+        Some(self.floor_at(place - up * down, up))
     }
 
     /// The height of the rooms, metres: half of the space between floors and what is above them is no
@@ -160,8 +164,9 @@ mod tests {
             )
         };
         let furnished = format!("{ROOM}{}{}", level(9, -0.3, 0.0, 4.0), level(13, 0.75, 1.0, 2.0));
-        assert_eq!(space(&furnished).headroom(DVec3::Y), Some(3.0));
-        assert_eq!(space(ROOM).headroom(DVec3::X), Some(4.0), "lying on its side");
+        let height = |obj: &str, up: DVec3| space(obj).headroom(up).expect("a room");
+        assert!((height(&furnished, DVec3::Y) - 3.0).abs() < 1e-9);
+        assert!((height(ROOM, DVec3::X) - 4.0).abs() < 1e-9, "lying on its side");
         let open = "v 0 0 0\nv 4 0 0\nv 4 0 5\nv 0 0 5\nf 1 4 3 2\n";
         assert_eq!(space(open).headroom(DVec3::Y), None);
     }

@@ -362,6 +362,17 @@ impl LengthUnit {
         }
     }
 
+    /// Its name in the plural: "feet".
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Millimetre => "millimetres",
+            Self::Centimetre => "centimetres",
+            Self::Metre => "metres",
+            Self::Inch => "inches",
+            Self::Foot => "feet",
+        }
+    }
+
     /// The abbreviation that the sidecar uses: mm, cm, m, in, ft.
     pub fn symbol(self) -> &'static str {
         match self {

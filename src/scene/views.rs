@@ -63,12 +63,14 @@ struct Place {
     enclosure: f64,
     /// Whether something that shines can be seen.
     sees_lamp: bool,
-    /// The way to look that shows most.
+    /// The way to look in which one sees farthest.
     gaze: DVec3,
     /// How far one sees that way, metres.
     depth: f64,
     /// Mean distance seen around that way, metres.
     openness: f64,
+    /// How far one sees in each of the directions around, metres; zero into the void.
+    around: [f64; AZIMUTHS],
 }
 
 struct Surveyor<'a> {
@@ -125,6 +127,11 @@ pub(super) fn default_views(scene: &Scene, space: &Space, scale: f64) -> (Vec<Vi
     }
     let start = usize::from(!is_room && diagonal > LARGE * scale && views.len() > 1);
     (views, start)
+}
+
+/// Mean distance seen around a direction, metres: over 60 degrees to either side.
+fn openness(around: &[f64; AZIMUTHS], azimuth: usize) -> f64 {
+    (0..9).map(|d| around[(azimuth + AZIMUTHS + d - 4) % AZIMUTHS]).sum::<f64>() / 9.0
 }
 
 /// Places right below lamps, evenly chosen where they are many.
@@ -206,26 +213,35 @@ impl<'a> Surveyor<'a> {
                 self.space.seen(eye, way).is_some_and(|(_, surface)| self.shines(surface))
             });
         // Looking into the void shows nothing, so it counts for nothing.
-        let reach = |k: usize| seen[k % AZIMUTHS].unwrap_or(0.0);
-        let around = |k: usize| (0..9).map(|d| reach(k + AZIMUTHS + d - 4)).sum::<f64>() / 9.0;
-        let best = (0..AZIMUTHS).max_by(|&a, &b| around(a).total_cmp(&around(b)))?;
-        Some(Place {
-            eye,
-            enclosure: f64::from(hits) / PROBES as f64,
-            sees_lamp,
-            gaze: gazes[best],
-            depth: reach(best).max(EYES * self.scale),
-            openness: around(best),
-        })
+        let around = std::array::from_fn(|k| seen[k].unwrap_or(0.0));
+        let best = (0..AZIMUTHS).max_by(|&a, &b| openness(&around, a).total_cmp(&openness(&around, b)))?;
+        let enclosure = f64::from(hits) / PROBES as f64;
+        let blind = Place { eye, enclosure, sees_lamp, gaze: gazes[best], depth: 0.0, openness: 0.0, around };
+        Some(self.looking(&blind, best))
+    }
+
+    /// The same place, looking that way.
+    fn looking(&self, place: &Place, azimuth: usize) -> Place {
+        Place {
+            gaze: self.level(TAU * azimuth as f64 / AZIMUTHS as f64),
+            depth: place.around[azimuth].max(EYES * self.scale),
+            openness: openness(&place.around, azimuth),
+            ..*place
+        }
     }
 
     fn shines(&self, surface: u32) -> bool {
         self.scene.surfaces[surface as usize].luminaire.is_some()
     }
 
-    /// Of these places, sorted by how far one sees, the one whose picture tells most.
+    /// Of these places, sorted by how far one sees, the one and the way to look whose picture tells most.
     fn most_telling(&self, places: &[Place]) -> Option<Place> {
-        let rated = places.iter().take(COMPARED).map(|place| (self.worth(place), *place));
+        let ways = places.iter().take(COMPARED).flat_map(|place| {
+            let open = (0..AZIMUTHS).step_by(2).map(|azimuth| self.looking(place, azimuth));
+            let open = open.filter(|looking| looking.openness > 0.6 * place.openness);
+            open.chain([*place])
+        });
+        let rated = ways.map(|place| (self.worth(&place), place));
         rated.max_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, place)| place)
     }
 
@@ -246,10 +262,12 @@ impl<'a> Surveyor<'a> {
             let surface = &self.scene.surfaces[surface as usize];
             things.insert((surface.object, surface.material));
             depth += (1.0 + distance / self.scale).ln();
-            blocked += f64::from(u8::from(distance < self.scale));
+            // What stands right ahead is in the way long before it is near.
+            let near = if (5..11).contains(&i) { 2.0 } else { 1.0 };
+            blocked += f64::from(u8::from(distance < near * self.scale));
         }
         let rays = f64::from(PICTURE[0] * PICTURE[1]);
-        depth / rays - blocked / rays + 0.3 * (1.0 + things.len() as f64).ln()
+        depth / rays - 2.0 * blocked / rays + 0.3 * (1.0 + things.len() as f64).ln()
     }
 
     fn view(&self, name: &str, place: &Place) -> View {
@@ -342,5 +360,77 @@ mod tests {
         let scene = from_text("t", "v 0 0 0\nv 1 0 0\nv 1 0 1\nf 1 3 2\n", "", None).unwrap();
         let view = &scene.views[0];
         assert!(view.eye.y > 0.1 && view.eye.is_finite() && view.target.is_finite(), "{view:?}");
+    }
+
+    /// A block as six outward faces, appended with its corners.
+    fn block(text: &mut String, corners: &mut usize, low: [f64; 3], high: [f64; 3]) {
+        for k in 0..8 {
+            let at = |axis: usize, bit: usize| if k >> bit & 1 == 1 { high[axis] } else { low[axis] };
+            *text += &format!("v {} {} {}\n", at(0, 0), at(1, 1), at(2, 2));
+        }
+        for face in [[1, 3, 4, 2], [5, 6, 8, 7], [1, 2, 6, 5], [3, 7, 8, 4], [1, 5, 7, 3], [2, 4, 8, 6]] {
+            let [a, b, c, d] = face.map(|k| *corners + k);
+            *text += &format!("f {a} {b} {c} {d}\n");
+        }
+        *corners += 8;
+    }
+
+    /// A house of two storeys of 2.6 m with a table in each, at x = z = 900.
+    fn house(text: &mut String, corners: &mut usize) {
+        for floor in [0.0, 2.8] {
+            block(text, corners, [900.0, floor, 900.0], [910.0, floor + 2.6, 908.0]);
+            block(text, corners, [903.0, floor, 903.0], [905.0, floor + 0.75, 904.0]);
+        }
+    }
+
+    fn looks_into_a_room(scene: &Scene) {
+        let view = &scene.views[scene.start_view];
+        let height = view.eye[scene.up.vector().max_position()];
+        let on_a_floor = [0.0, 2.8].iter().any(|floor| (height - floor - EYES).abs() < 1e-6);
+        assert!(on_a_floor, "eyes above a floor, not above a table: {view:?}");
+        let inside =
+            view.eye.cmpgt(DVec3::new(900.0, 0.0, 900.0)) & view.eye.cmplt(DVec3::new(910.0, 5.4, 908.0));
+        assert!(inside.all(), "{view:?}");
+        let space = Space::of(scene, &scene.extent());
+        let ahead = space.distance(view.eye, (view.target - view.eye).normalize());
+        assert!(ahead.is_some_and(|free| free > 3.0), "{ahead:?} m ahead of {view:?}");
+    }
+
+    #[test]
+    fn a_house_is_entered_on_a_floor_whatever_lies_around_it() {
+        let (mut text, mut corners) = (String::new(), 0);
+        house(&mut text, &mut corners);
+        looks_into_a_room(&from_text("t", &text, "", None).unwrap());
+        // On two kilometres of terrain in 800 faces, with a lamp upstairs.
+        let mtl = "newmtl lamp\nKd 0 0 0\nKe 9 9 9\nnewmtl grey\nKd 0.5 0.5 0.5\n";
+        let lamp = "v 905 5.3 905\nv 906 5.3 905\nv 906 5.3 906\nv 905 5.3 906\nusemtl lamp\n";
+        text += &format!(
+            "{lamp}f {} {} {} {}\nusemtl grey\n",
+            corners + 1,
+            corners + 2,
+            corners + 3,
+            corners + 4
+        );
+        corners += 4;
+        for k in 0..441 {
+            let (x, z) = (f64::from(k % 21) * 100.0, f64::from(k / 21) * 100.0);
+            text += &format!("v {x} {} {z}\n", -1.0 - 0.5 * f64::from((k * 7) % 11));
+        }
+        for k in 0..400 {
+            let a = corners + k / 20 * 21 + k % 20 + 1;
+            text += &format!("f {a} {} {}\nf {} {} {}\n", a + 21, a + 1, a + 1, a + 21, a + 22);
+        }
+        let scene = from_text("t", &format!("mtllib m.mtl\n{text}"), mtl, None).unwrap();
+        assert!(scene.extent().main.diagonal() > 2800.0 && scene.extent().stray.is_empty());
+        looks_into_a_room(&scene);
+        assert!(scene.views[scene.start_view].eye.y > 2.8, "where the light is");
+    }
+
+    #[test]
+    fn a_room_in_millimetres_is_seen_at_the_height_of_its_eyes() {
+        let (mut text, mut corners) = (String::new(), 0);
+        block(&mut text, &mut corners, [0.0; 3], [5000.0, 2600.0, 4000.0]);
+        let scene = from_text("t", &text, "", None).unwrap();
+        assert!((scene.views[0].eye.y - 1600.0).abs() < 1.0, "{:?}", scene.views[0]);
     }
 }

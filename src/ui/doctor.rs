@@ -3,6 +3,10 @@
 
 use super::app::App;
 use super::background::Background;
+use super::banners::Banner;
+use super::command::Command;
+use super::panels::Model;
+use super::panels::menu::frame_name;
 use super::picture::Prepared;
 use crate::geometry::{Aabb, Ray, polygon};
 use crate::mesh;
@@ -125,6 +129,26 @@ impl Doctor {
         let place = (self.selected == Some(number)).then_some(self.place);
         report.findings.get(number).map(|finding| (finding, place))
     }
+}
+
+/// That the model seems to lie on its side or to be in another unit, with a button that sets it right.
+pub(super) fn frame_banner(model: &Model<'_>) -> Option<Banner> {
+    let scene = model.scene.filter(|scene| scene.source.path().is_some())?;
+    let doubts = scene.findings.iter().filter(|finding| finding.severity >= Severity::Warning);
+    let (unit, up) = doubts.filter_map(|finding| finding.remedy).next()?;
+    let mut seems = Vec::new();
+    if up != scene.up {
+        seems.push("to lie on its side".to_owned());
+    }
+    if unit != scene.unit {
+        seems.push(format!("to be in {} rather than {}", unit.name(), scene.unit.name()));
+    }
+    Some(Banner {
+        key: "frame",
+        is_warning: true,
+        text: format!("This model seems {}. The doctor (K) says why.", seems.join(", and ")),
+        actions: vec![(format!("Set {}", frame_name(unit, up)), Command::SetFrame(unit, up))],
+    })
 }
 
 impl App {

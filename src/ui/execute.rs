@@ -349,7 +349,7 @@ impl App {
         self.opening = Some(Asked { name, serial: self.snapshot.serial, known_error, scene });
         match &self.scene_shown {
             // Solver settings belong to a scene as well.
-            Some(shown) if shown.source != source => {
+            Some(shown) if !shown.source.is_same_model(&source) => {
                 self.worker.open_with(source, SolveSettings::default());
             }
             _ => self.worker.open(source),

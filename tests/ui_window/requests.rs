@@ -196,3 +196,31 @@ fn the_unit_in_force_is_not_written_again() {
     choose(&mut harness, "Z is up");
     wait_until(&mut harness, "another axis", |_| opened(&worker).len() == 1);
 }
+
+#[test]
+fn a_model_on_its_side_in_inches_is_set_right_with_one_click() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let model = crate::support::write_model(folder.path());
+    std::fs::remove_file(model.with_extension("toml")).expect("there");
+    let text = std::fs::read_to_string(&model).expect("there");
+    let turned = |line: &str| match line.strip_prefix("v ") {
+        Some(rest) => {
+            let at: Vec<f64> = rest.split_whitespace().map(|word| word.parse().expect("a number")).collect();
+            let [x, y, z] = [at[0], -at[2], at[1]].map(|metres| metres / 0.0254);
+            format!("v {x} {y} {z}\n")
+        }
+        None => format!("{line}\n"),
+    };
+    std::fs::write(&model, text.lines().map(turned).collect::<String>()).expect("written");
+    let worker = Counting::showing(solution_of(&model));
+    let mut harness = window(&worker, false);
+    harness.run_steps(5);
+    assert!(harness.query_by_label_contains("to lie on its side, and to be in inches").is_some());
+    harness.get_by_label_contains("Set inches, z up").click();
+    wait_until(&mut harness, "the model is read again", |_| opened(&worker).len() == 1);
+    let sidecar = std::fs::read_to_string(model.with_extension("toml")).expect("written");
+    assert!(sidecar.contains("unit = \"in\"") && sidecar.contains("up = \"z\""), "{sidecar}");
+    assert!(solution_of(&model).scene.as_ref().is_some_and(|scene| {
+        (scene.bounds().size().z - 3.0).abs() < 1.0 && scene.findings.iter().all(|f| f.remedy.is_none())
+    }));
+}

@@ -134,16 +134,6 @@ mod tests {
     }
 
     #[test]
-    fn a_room_of_three_kilometres_is_likely_one_in_millimetres() {
-        let big = |sidecar: &str| {
-            let obj = "v 0 0 0\nv 4000 0 0\nv 4000 3000 0\nf 1 2 3\n";
-            check(&from_text("t", obj, "", Some(sidecar)).unwrap())
-        };
-        assert!(big("").iter().any(|f| f.message.contains("unit = \"mm\"") && f.message.contains("3.00 m")));
-        assert!(!big("unit = \"mm\"").iter().any(|f| f.message.contains("high")));
-    }
-
-    #[test]
     fn a_small_hole_is_told_apart_from_an_open_side() {
         // A floor of four parts around a hole of 0.5 m.
         let floor = "v 1 0 1\nv 1.5 0 1\nv 1.5 0 1.5\nv 1 0 1.5\n\

@@ -155,8 +155,7 @@ fn file(ui: &mut egui::Ui, model: &Model<'_>, out: &mut Commands) {
 
 /// A unit and an up axis in words: "feet, z up".
 pub(in crate::ui) fn frame_name(unit: LengthUnit, up: UpAxis) -> String {
-    let name = UNITS.iter().find(|(known, _)| *known == unit).map_or("", |(_, name)| name);
-    format!("{}, {} up", name.to_lowercase(), if up == UpAxis::Z { "z" } else { "y" })
+    format!("{}, {} up", unit.name(), if up == UpAxis::Z { "z" } else { "y" })
 }
 
 /// In which unit the model is, and which of its axes points up.
