@@ -10,7 +10,7 @@ const MOST_CELLS: f64 = 700_000.0;
 /// With cells so many times as large no door is seen: then only what is around the places gets some.
 const COARSEST: f64 = 4.0;
 /// Around the places, besides half the box around them, metres for an adult.
-const AROUND: f64 = 10.0;
+const AROUND: f64 = 6.0;
 /// Half a diagonal of a cell, in cells.
 const HALF_DIAGONAL: f64 = 0.866_025_403_8;
 /// One keeps so far from things where there is room, metres for an adult.
