@@ -4,6 +4,9 @@ use super::culling::Culling;
 use crate::mesh::{Backing, NO_PATCH, PatchMesh};
 use glam::DVec3;
 
+/// Surfaces that lie back to back are nearer to each other than this share of the scene's diagonal.
+pub(super) const THICKNESS: f64 = 2e-7;
+
 /// Everything that a receiving point can see, laid out for one pass per row.
 #[derive(Clone, Debug, Default)]
 pub struct Occluders {
@@ -162,6 +165,6 @@ impl Occluders {
 
     /// Surfaces that lie back to back are nearer to each other than this, metres.
     pub(super) fn thickness(&self) -> f64 {
-        4e-6 * self.size
+        THICKNESS * self.size
     }
 }
