@@ -17,9 +17,10 @@ mod pieces;
 mod reach;
 mod refinement;
 mod regions;
+mod sizing;
 mod types;
 
-pub use build::{Backs, MeshError, MeshSettings, PatchTarget, build};
+pub use build::{Backs, MeshError, MeshSettings, PatchTarget, build, build_watched};
 pub use checkup::checkup;
 pub use neighbours::Contact;
 pub(crate) use reach::cosine_direction;

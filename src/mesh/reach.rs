@@ -9,6 +9,7 @@ use super::regions::Outline;
 use super::types::{Patch, Side};
 use crate::geometry::{Bvh, Frame, Ray, polygon};
 use crate::scene::{Scene, Sides};
+use crate::watch::{Cancelled, Watch};
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 
@@ -107,13 +108,14 @@ impl<'a> Search<'a> {
     }
 
     /// For every region how its front and its back stand to light.
-    pub(super) fn sides(&mut self) -> Vec<[Reach; 2]> {
-        let mut reached: Vec<[Reach; 2]> = (0..self.outlines.len())
-            .into_par_iter()
-            .map(|index| [Side::Front, Side::Back].map(|side| self.side(index, side)))
-            .collect();
+    ///
+    /// # Errors
+    /// The watch ended it.
+    pub(super) fn sides(&mut self, watch: &mut Watch<'_>) -> Result<Vec<[Reach; 2]>, Cancelled> {
+        let both = |index: usize, _: &Outline| [Side::Front, Side::Back].map(|side| self.side(index, side));
+        let mut reached: Vec<[Reach; 2]> = watch.part(0.0, 0.6).map(self.outlines, both)?;
         if self.lamps.is_empty() || !reached.iter().flatten().any(|&r| r == Reach::Dark) {
-            return reached;
+            return Ok(reached);
         }
         // A side that the light of lamps meets over many bounces is lit, too.
         for (side, hits) in self.met_by_lamps().into_iter().enumerate() {
@@ -128,16 +130,12 @@ impl<'a> Search<'a> {
         }
         // With so many lit points to look for, those that few paths led to are found as well: many small
         // facets around a place that is lit through a gap.
-        reached
-            .par_iter()
-            .enumerate()
-            .map(|(index, both)| {
-                [Side::Front, Side::Back].map(|side| match both[side as usize] {
-                    Reach::Dark => self.side(index, side),
-                    known => known,
-                })
+        watch.part(0.6, 1.0).map(&reached, |index, both| {
+            [Side::Front, Side::Back].map(|side| match both[side as usize] {
+                Reach::Dark => self.side(index, side),
+                known => known,
             })
-            .collect()
+        })
     }
 
     /// For every side (2 x region + side) where the paths of lamps meet it, one point a path.
@@ -215,45 +213,41 @@ impl<'a> Search<'a> {
     /// For each patch whether its centre lies under something, out of all light, although its side is
     /// lit elsewhere; then a point of it that is lit, if any of `points` is. A lamp's counts as buried where
     /// it shines on sides that are dark by what has been `reached`.
+    ///
+    /// # Errors
+    /// The watch ended it.
     pub(super) fn buried(
         &self,
         reached: &[[Reach; 2]],
         patches: &[Patch],
         points: impl Fn(&Patch) -> Vec<DVec3> + Sync,
-    ) -> Vec<Option<Buried>> {
-        patches
-            .par_iter()
-            .enumerate()
-            .map(|(index, patch)| {
-                let by_reach = self.scene.materials[patch.material as usize].sides != Sides::Both;
-                let seed = (1 << 40) + 64 * index as u64;
-                let frame = self.frame(2 * patch.region as usize + patch.side as usize);
-                if patch.luminaire.is_some() {
-                    let covered = |point: &DVec3| self.looks_into_dark(reached, *point, frame);
-                    if !covered(&patch.centre) {
-                        return None;
-                    }
-                    let open = points(patch).into_iter().take(40).find(|point| !covered(point));
-                    return Some(open.map_or(Buried::Whole, Buried::LitAt));
-                }
-                if !by_reach
-                    || self.lamps.is_empty()
-                    || self.is_lit(&[patch.centre], frame, seed, PATHS / 3, 1)
-                {
+        watch: &mut Watch<'_>,
+    ) -> Result<Vec<Option<Buried>>, Cancelled> {
+        watch.map(patches, |index, patch| {
+            let by_reach = self.scene.materials[patch.material as usize].sides != Sides::Both;
+            let seed = (1 << 40) + 64 * index as u64;
+            let frame = self.frame(2 * patch.region as usize + patch.side as usize);
+            if patch.luminaire.is_some() {
+                let covered = |point: &DVec3| self.looks_into_dark(reached, *point, frame);
+                if !covered(&patch.centre) {
                     return None;
                 }
-                // In a house of many rooms few of so short paths come upon one of the lamps of this room.
-                let near = self.lit_points_near(patch.centre, frame.normal);
-                if self.sees(patch.centre, frame.normal, &near) {
-                    return None;
-                }
-                let lit = (1..).zip(points(patch).into_iter().take(40)).find(|&(k, point)| {
-                    self.is_lit(&[point], frame, seed + k, PATHS / 8, 1)
-                        || self.sees(point, frame.normal, &near)
-                });
-                Some(lit.map_or(Buried::Whole, |(_, point)| Buried::LitAt(point)))
-            })
-            .collect()
+                let open = points(patch).into_iter().take(40).find(|point| !covered(point));
+                return Some(open.map_or(Buried::Whole, Buried::LitAt));
+            }
+            if !by_reach || self.lamps.is_empty() || self.is_lit(&[patch.centre], frame, seed, PATHS / 3, 1) {
+                return None;
+            }
+            // In a house of many rooms few of so short paths come upon one of the lamps of this room.
+            let near = self.lit_points_near(patch.centre, frame.normal);
+            if self.sees(patch.centre, frame.normal, &near) {
+                return None;
+            }
+            let lit = (1..).zip(points(patch).into_iter().take(40)).find(|&(k, point)| {
+                self.is_lit(&[point], frame, seed + k, PATHS / 8, 1) || self.sees(point, frame.normal, &near)
+            });
+            Some(lit.map_or(Buried::Whole, |(_, point)| Buried::LitAt(point)))
+        })
     }
 
     /// Whether more than half of what is seen from a point is sides that no light reaches: nothing that is

@@ -38,7 +38,7 @@ pub use colour::black_body;
 pub use doctor::{Crossing, Examination, check, examine};
 pub use error::SceneError;
 pub use finding::{Finding, FindingKind, MOST_PLACES, Places, Severity};
-pub use import::{from_text, load, sidecar_path};
+pub use import::{from_text, load, load_watched, sidecar_path};
 pub use luminaires::lumens;
 pub use mend::{Mended, mend};
 pub use names::nearest as nearest_names;

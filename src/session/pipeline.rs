@@ -8,6 +8,7 @@ use crate::form_factors::{AssembleReport, FormFactors, Method, ReceivingPoints, 
 use crate::mesh::{self, MeshSettings, PatchMesh, PatchTarget, Refinement};
 use crate::scene::{Lighting, Scene};
 use crate::solver::{GaussSeidel, LightBases, PatchLight, SweepReport, System};
+use crate::watch::{Cancelled, Watch};
 use glam::DVec3;
 use rayon::prelude::*;
 use std::sync::Arc;
@@ -111,9 +112,9 @@ impl Timings {
 pub struct Progress<'a> {
     /// Where it stands.
     pub stage: Stage,
-    /// Of the whole solve, 0 to 1.
+    /// Of the whole solve, 0 to 1; while a model is read or cut into patches, of that alone.
     pub fraction: f64,
-    /// Estimate of the time left, seconds, once there is one.
+    /// Estimate of the time left of the same, seconds, once there is one.
     pub seconds_left: Option<f64>,
     /// Rows computed and rows in all.
     pub rows: (usize, usize),
@@ -126,7 +127,7 @@ pub struct Progress<'a> {
 
 /// Where a picture on the way is copied from.
 #[derive(Clone, Copy)]
-enum Pictured<'a> {
+pub(super) enum Pictured<'a> {
     Arriving(&'a Arriving),
     Sweeps(&'a GaussSeidel, &'a System),
 }
@@ -168,7 +169,7 @@ pub enum PipelineError {
     Cancelled,
     /// The scene could not be cut into patches.
     #[error(transparent)]
-    Mesh(#[from] mesh::MeshError),
+    Mesh(mesh::MeshError),
     /// The rows would not fit into memory.
     #[error(
         "{patches} patches need about {needed_gb:.1} GB for their form factors and {available_gb:.1} GB are free; \
@@ -184,6 +185,21 @@ pub enum PipelineError {
         /// How many patches would fit.
         fitting: usize,
     },
+}
+
+impl From<mesh::MeshError> for PipelineError {
+    fn from(error: mesh::MeshError) -> Self {
+        match error {
+            mesh::MeshError::Cancelled => Self::Cancelled,
+            other => Self::Mesh(other),
+        }
+    }
+}
+
+impl From<Cancelled> for PipelineError {
+    fn from(Cancelled: Cancelled) -> Self {
+        Self::Cancelled
+    }
 }
 
 /// What the solve of a scene rests on: patches, effects and the way to compute rows.
@@ -254,7 +270,18 @@ impl Solved {
 }
 
 /// Cuts the scene into patches, decides the effects and readies the rows.
+///
+/// # Errors
+/// The scene cannot be cut into patches as the settings say.
 pub fn prepare(scene: Arc<Scene>, settings: &SolveSettings) -> Result<Prepared, PipelineError> {
+    Watch::nobody(|watch| prepare_watched(scene, settings, watch))
+}
+
+pub(super) fn prepare_watched(
+    scene: Arc<Scene>,
+    settings: &SolveSettings,
+    watch: &mut Watch<'_>,
+) -> Result<Prepared, PipelineError> {
     let mut timings = Timings::default();
     let clock = Instant::now();
     let mesh_settings = MeshSettings {
@@ -263,7 +290,7 @@ pub fn prepare(scene: Arc<Scene>, settings: &SolveSettings) -> Result<Prepared, 
         textures: !settings.effects.without.contains(&Effect::Textures),
         refinement: settings.refinement.clone(),
     };
-    let mesh = Arc::new(mesh::build(&scene, &mesh_settings)?);
+    let mesh = Arc::new(mesh::build_watched(&scene, &mesh_settings, watch)?);
     timings.mesh = clock.elapsed().as_secs_f64();
 
     let clock = Instant::now();
@@ -290,7 +317,7 @@ pub fn patch_reflectance(mesh: &PatchMesh, material: &dyn Fn(u32) -> Option<[f64
 /// Runs the parts of a solve and tells an observer how it goes.
 pub struct Run<'a> {
     observer: &'a mut dyn FnMut(Progress<'_>) -> Control,
-    cancel: &'a AtomicBool,
+    pub(super) cancel: &'a AtomicBool,
     /// Seconds by stage so far.
     pub timings: Timings,
     last_news: Option<Instant>,
@@ -298,17 +325,19 @@ pub struct Run<'a> {
 }
 
 /// The seconds of a stage, less those that it rested.
-struct Clock {
+pub(super) struct Clock {
     started: Instant,
     rested: Duration,
 }
 
 impl Clock {
-    fn seconds(&self, run: &Run<'_>) -> f64 {
+    pub(super) fn seconds(&self, run: &Run<'_>) -> f64 {
         self.started.elapsed().saturating_sub(run.rested - self.rested).as_secs_f64()
     }
 }
 
+/// Sweeps take so much of the time of the rows, about.
+const SWEEPS: f64 = 0.05;
 /// News comes no more often than this.
 const NEWS_EVERY: Duration = Duration::from_millis(80);
 
@@ -322,11 +351,11 @@ impl<'a> Run<'a> {
         Self { observer, cancel, timings, last_news: None, rested: Duration::ZERO }
     }
 
-    fn clock(&self) -> Clock {
+    pub(super) fn clock(&self) -> Clock {
         Clock { started: Instant::now(), rested: self.rested }
     }
 
-    fn tell(
+    pub(super) fn tell(
         &mut self,
         stage: Stage,
         rows: (usize, usize),
@@ -442,12 +471,13 @@ impl<'a> Run<'a> {
     ) -> Result<(FormFactors, AssembleReport), PipelineError> {
         let clock = self.clock();
         let n = rows.len();
-        let left = Some(0.1 * self.timings.rows);
-        self.tell(Stage::Balancing, (n, n), (0.9, left), &[], None, true)?;
-        let cancel = self.cancel;
-        let assembled = FormFactors::assemble(&prepared.computer, rows, &|| cancel.load(Ordering::Relaxed));
+        let sweeps = SWEEPS * self.timings.rows;
+        self.tell(Stage::Balancing, (n, n), (0.9, Some(2.0 * sweeps)), &[], None, true)?;
+        let assembled = self.watched(Stage::Balancing, (n, n), ([0.9, 0.95], sweeps), |watch| {
+            FormFactors::assemble(&prepared.computer, rows, watch)
+        });
         self.timings.balance = clock.seconds(self);
-        assembled.ok_or(PipelineError::Cancelled)
+        Ok(assembled?)
     }
 
     /// Sweeps from `start` to the tolerance.
@@ -499,9 +529,7 @@ pub fn solve(
     observer: &mut dyn FnMut(Progress<'_>) -> Control,
 ) -> Result<Solved, PipelineError> {
     let mut run = Run::new(observer, cancel, Timings::default());
-    run.tell(Stage::Meshing, (0, 0), (0.0, None), &[], None, true)?;
-    let prepared = prepare(scene, settings)?;
-    run.timings = prepared.timings;
+    let prepared = run.prepare(scene, settings)?;
     let reflectance = patch_reflectance(&prepared.mesh, &|_| None);
     let system = system(&prepared, &reflectance);
     let (mut rows, start) = run.rows(&prepared, &system, None, &mut Vec::new())?;
