@@ -2,10 +2,11 @@ use super::contacts::Edges;
 use super::grading::Lamps;
 use super::patches;
 use super::pieces::{self, Cut, Grid};
-use super::reach::{Buried, Reach, Search};
+use super::reach::{Buried, LightSearch, Reach, Search};
 use super::refinement::Refinement;
-use super::regions::{self, Outline};
+use super::regions::Outline;
 use super::sizing::{self, Finer};
+use super::survey::Survey;
 use super::types::{MeshStatistics, NO_PATCH, Patch, PatchMesh, Side};
 use crate::scene::{Scene, grouped};
 use crate::watch::{Cancelled, Watch};
@@ -105,11 +106,10 @@ impl From<Cancelled> for MeshError {
     }
 }
 
-/// Shares of the time by which surfaces are joined, their sides searched and then cut, about; the rest goes
-/// into what lies under something.
-const JOINED: f64 = 0.05;
-const REACHED: f64 = 0.55;
-const CUT: f64 = 0.8;
+/// Shares of the time by which a scene is surveyed, and by which what is left is cut, about; the rest goes into
+/// what lies under something.
+const SURVEYED: f64 = 0.9;
+const CUT: f64 = 0.6;
 /// The most patches that [`build`] makes.
 pub(super) const PATCH_LIMIT: usize = 2_000_000;
 
@@ -130,34 +130,32 @@ pub fn build_watched(
     settings: &MeshSettings,
     watch: &mut Watch<'_>,
 ) -> Result<PatchMesh, MeshError> {
-    // 1. Join coplanar neighbours, and find the sides that light can reach.
-    let size = scene.bounds().diagonal();
-    let as_given = settings.target == PatchTarget::AsGiven;
-    let (outlines, dropped) = regions::join(scene, size, as_given, &mut watch.part(0.0, JOINED))?;
-    if outlines.is_empty() {
-        return Err(MeshError::Empty);
-    }
-    let mut search = Search::new(scene, &outlines, size);
-    let reached: Vec<[Reach; 2]> = match settings.backs {
-        Backs::Reached => search.sides(&mut watch.part(JOINED, REACHED))?,
-        Backs::None => outlines
-            .iter()
-            .map(|o| {
-                [Reach::Lit, if o.luminaire.is_some() && o.emits_back { Reach::Lit } else { Reach::Black }]
-            })
-            .collect(),
-        Backs::All => vec![[Reach::Lit; 2]; outlines.len()],
-    };
-    let sides: Vec<[bool; 2]> = reached.iter().map(|r| r.map(|side| side == Reach::Lit)).collect();
+    let survey = Survey::new(scene, settings, LightSearch::Full, &mut watch.part(0.0, SURVEYED))?;
+    build_on(&survey, scene, settings, &mut watch.part(SURVEYED, 1.0))
+}
 
-    // 2. Choose the patch size and cut.
-    let lamps = Lamps::new(scene, &outlines, &sides, size);
+/// As [`build_watched`], on a survey of the same scene that [serves](Survey::serves) the settings.
+///
+/// # Errors
+/// As [`build_watched`].
+pub fn build_on(
+    survey: &Survey,
+    scene: &Scene,
+    settings: &MeshSettings,
+    watch: &mut Watch<'_>,
+) -> Result<PatchMesh, MeshError> {
+    let Survey { outlines, dropped, reached, space, .. } = survey;
+    let (size, sides) = (survey.size, survey.sides());
+    let as_given = settings.target == PatchTarget::AsGiven;
+
+    // 1. Choose the patch size and cut.
+    let lamps = Lamps::new(scene, outlines, &sides, size);
     let mut finer = Finer::new(lamps, settings.refinement.as_deref());
-    let patch_size = sizing::patch_size(scene, settings.target, &outlines, &sides, &mut finer)?;
+    let patch_size = sizing::patch_size(scene, settings.target, outlines, &sides, &mut finer)?;
     let asked = sizing::count_asked(scene, settings.target);
     let mut mesh = PatchMesh { size, ..PatchMesh::default() };
-    let edges = Edges::new(if as_given { &[] } else { &outlines }, size);
-    let mut cutting = watch.part(REACHED, CUT);
+    let edges = Edges::new(if as_given { &[] } else { outlines }, size);
+    let mut cutting = watch.part(0.0, CUT);
     for (index, outline) in outlines.iter().enumerate() {
         cutting.done(index as f64 / outlines.len() as f64)?;
         let groups = if as_given {
@@ -176,7 +174,7 @@ pub fn build_watched(
             mesh.contacts.push(contacts);
             groups
         };
-        // 3. One patch a group and lit side.
+        // 2. One patch per group and lit side.
         for side in [Side::Front, Side::Back] {
             if sides[index][side as usize] {
                 for group in &groups {
@@ -188,12 +186,13 @@ pub fn build_watched(
     if mesh.patches.is_empty() {
         return Err(MeshError::Empty);
     }
-    for (region, reached) in mesh.regions.iter_mut().zip(&reached) {
+    for (region, reached) in mesh.regions.iter_mut().zip(reached) {
         region.dark = reached.map(|side| side == Reach::Dark);
     }
     if settings.backs == Backs::Reached {
         let points = |patch: &Patch| patches::inner_points(&mesh, patch);
-        let found = search.buried(&reached, &mesh.patches, points, &mut watch.part(CUT, 1.0))?;
+        let search = Search::new(scene, outlines, space);
+        let found = search.buried(reached, &mesh.patches, points, &mut watch.part(CUT, 1.0))?;
         for (index, buried) in found.into_iter().enumerate() {
             match buried {
                 Some(Buried::Whole) => mesh.patches[index].buried = true,
@@ -202,8 +201,8 @@ pub fn build_watched(
             }
         }
     }
-    mesh.blockers = blockers(&outlines, size);
-    mesh.statistics = statistics(&mesh, scene, &sides, dropped, (patch_size, asked));
+    mesh.blockers = blockers(outlines, size);
+    mesh.statistics = statistics(&mesh, scene, &sides, *dropped, (patch_size, asked));
     Ok(mesh)
 }
 

@@ -18,11 +18,14 @@ mod reach;
 mod refinement;
 mod regions;
 mod sizing;
+mod survey;
 mod types;
 
-pub use build::{Backs, MeshError, MeshSettings, PatchTarget, build, build_watched};
+pub use build::{Backs, MeshError, MeshSettings, PatchTarget, build, build_on, build_watched};
 pub use checkup::checkup;
 pub use neighbours::Contact;
+pub use reach::LightSearch;
 pub(crate) use reach::cosine_direction;
 pub use refinement::Refinement;
+pub use survey::Survey;
 pub use types::{MeshStatistics, NO_PATCH, Patch, PatchMesh, Piece, PieceCorner, Region, Side};

@@ -50,10 +50,36 @@ pub(super) enum Buried {
     LitAt(DVec3),
 }
 
+/// How many paths are followed from a side before it counts as out of all light.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum LightSearch {
+    /// So many that hardly any lit side is missed, and two have to find light.
+    #[default]
+    Full,
+    /// An eighth of them, of which one has to find light: where time presses. In rooms that lamps light well
+    /// few sides are missed; some that only a seam lights are taken for lit.
+    Quick,
+}
+
+impl LightSearch {
+    /// Paths, and how many must find light.
+    fn paths(self) -> (u64, u32) {
+        match self {
+            Self::Full => (PATHS, ENOUGH),
+            Self::Quick => (PATHS / 8, 1),
+        }
+    }
+}
+
 /// Finds what light can reach in a scene.
 pub(super) struct Search<'a> {
     scene: &'a Scene,
     outlines: &'a [Outline],
+    space: &'a Space,
+}
+
+/// The room that light travels through, and where it is known to come from.
+pub(super) struct Space {
     bvh: Bvh,
     /// Front normal of each triangle.
     normals: Vec<DVec3>,
@@ -67,8 +93,10 @@ pub(super) struct Search<'a> {
     offset: f64,
 }
 
-impl<'a> Search<'a> {
-    pub(super) fn new(scene: &'a Scene, outlines: &'a [Outline], size: f64) -> Self {
+impl Space {
+    /// The space around the outlines of a scene of some `size`, metres. No side is known to be lit but those
+    /// of lamps.
+    pub(super) fn new(outlines: &[Outline], size: f64) -> Self {
         let mut triangles = Vec::new();
         let mut normals = Vec::new();
         let mut owners = Vec::new();
@@ -95,8 +123,6 @@ impl<'a> Search<'a> {
             }
         }
         Self {
-            scene,
-            outlines,
             bvh: Bvh::build(&triangles),
             normals,
             owners,
@@ -107,17 +133,48 @@ impl<'a> Search<'a> {
         }
     }
 
-    /// For every region how its front and its back stand to light.
+    /// For every region how its front and its back stand to light; remembers points that are lit.
     ///
     /// # Errors
     /// The watch ended it.
-    pub(super) fn sides(&mut self, watch: &mut Watch<'_>) -> Result<Vec<[Reach; 2]>, Cancelled> {
-        let both = |index: usize, _: &Outline| [Side::Front, Side::Back].map(|side| self.side(index, side));
-        let mut reached: Vec<[Reach; 2]> = watch.part(0.0, 0.6).map(self.outlines, both)?;
+    pub(super) fn sides(
+        &mut self,
+        scene: &Scene,
+        outlines: &[Outline],
+        how: LightSearch,
+        watch: &mut Watch<'_>,
+    ) -> Result<Vec<[Reach; 2]>, Cancelled> {
+        let first = Search { scene, outlines, space: self };
+        let both =
+            |index: usize, _: &Outline| [Side::Front, Side::Back].map(|side| first.side(index, side, how));
+        let mut reached: Vec<[Reach; 2]> = watch.part(0.0, 0.6).map(outlines, both)?;
         if self.lamps.is_empty() || !reached.iter().flatten().any(|&r| r == Reach::Dark) {
             return Ok(reached);
         }
         // A side that the light of lamps meets over many bounces is lit, too.
+        let lit = Search { scene, outlines, space: self }.lit_by_lamps(&mut reached);
+        self.lit_points.extend(lit);
+        // With so many lit points to look for, those that few paths led to are found as well: many small
+        // facets around a place that is lit through a gap.
+        let search = Search { scene, outlines, space: self };
+        watch.part(0.6, 1.0).map(&reached, |index, both| {
+            [Side::Front, Side::Back].map(|side| match both[side as usize] {
+                Reach::Dark => search.side(index, side, how),
+                known => known,
+            })
+        })
+    }
+}
+
+impl<'a> Search<'a> {
+    pub(super) fn new(scene: &'a Scene, outlines: &'a [Outline], space: &'a Space) -> Self {
+        Self { scene, outlines, space }
+    }
+
+    /// Marks the sides that the light of lamps meets over many bounces, and finds points there with the
+    /// direction that they face.
+    fn lit_by_lamps(&self, reached: &mut [[Reach; 2]]) -> Vec<(DVec3, DVec3)> {
+        let mut points = Vec::new();
         for (side, hits) in self.met_by_lamps().into_iter().enumerate() {
             let reach = &mut reached[side / 2][side % 2];
             if hits.len() >= ENOUGH_LAMP_PATHS {
@@ -125,17 +182,10 @@ impl<'a> Search<'a> {
                     *reach = if self.is_black(side) { Reach::Black } else { Reach::Lit };
                 }
                 let normal = self.frame(side).normal;
-                self.lit_points.extend(spread(&hits).into_iter().map(|at| (at, normal)));
+                points.extend(spread(&hits).into_iter().map(|at| (at, normal)));
             }
         }
-        // With so many lit points to look for, those that few paths led to are found as well: many small
-        // facets around a place that is lit through a gap.
-        watch.part(0.6, 1.0).map(&reached, |index, both| {
-            [Side::Front, Side::Back].map(|side| match both[side as usize] {
-                Reach::Dark => self.side(index, side),
-                known => known,
-            })
-        })
+        points
     }
 
     /// For every side (2 x region + side) where the paths of lamps meet it, one point a path.
@@ -152,13 +202,16 @@ impl<'a> Search<'a> {
     /// The sides that light from a lamp meets on one path, each with the first point there.
     fn path_of_lamp(&self, path: u64) -> Vec<(usize, DVec3)> {
         let mut met: Vec<(usize, DVec3)> = Vec::new();
-        let (mut point, normal) = self.lamps[path as usize % self.lamps.len()];
-        let mut frame = Frame::along(normal, self.lamp_tangents[path as usize % self.lamps.len()]);
+        let (mut point, normal) = self.space.lamps[path as usize % self.space.lamps.len()];
+        let mut frame =
+            Frame::along(normal, self.space.lamp_tangents[path as usize % self.space.lamps.len()]);
         for bounce in 0..LAMP_BOUNCES {
             let key = (1 << 50) + LAMP_BOUNCES * path + bounce;
             let direction = frame.world(cosine_from(unit(key, 1), unit(key, 2)));
-            let origin = point + frame.normal * self.offset;
-            let Some(hit) = self.bvh.nearest(&Ray { origin, direction }, 0.0, f64::INFINITY) else { break };
+            let origin = point + frame.normal * self.space.offset;
+            let Some(hit) = self.space.bvh.nearest(&Ray { origin, direction }, 0.0, f64::INFINITY) else {
+                break;
+            };
             let side = self.side_met(hit.triangle, direction);
             point = origin + direction * hit.distance;
             if !met.iter().any(|m| m.0 == side) {
@@ -174,8 +227,8 @@ impl<'a> Search<'a> {
 
     /// The side (2 x region + side) of a triangle that a ray in this direction meets.
     fn side_met(&self, triangle: u32, direction: DVec3) -> usize {
-        let back = self.normals[triangle as usize].dot(direction) > 0.0;
-        2 * self.owners[triangle as usize] as usize + usize::from(back)
+        let back = self.space.normals[triangle as usize].dot(direction) > 0.0;
+        2 * self.space.owners[triangle as usize] as usize + usize::from(back)
     }
 
     /// Whether a side reflects nothing by its material's own word.
@@ -190,20 +243,21 @@ impl<'a> Search<'a> {
         Frame::along(frame.normal * if side % 2 == 1 { -1.0 } else { 1.0 }, frame.tangent)
     }
 
-    fn side(&self, index: usize, side: Side) -> Reach {
+    fn side(&self, index: usize, side: Side, how: LightSearch) -> Reach {
         let outline = &self.outlines[index];
         let emits = outline.luminaire.is_some() && (side == Side::Front || outline.emits_back);
         let sides = self.scene.materials[outline.material as usize].sides;
         if emits || sides == Sides::Both || (sides == Sides::Front && side == Side::Front) {
             return Reach::Lit;
         }
-        if self.lamps.is_empty() {
+        if self.space.lamps.is_empty() {
             // Nothing is lit; every front is kept, so that there is something to see.
             return if side == Side::Front { Reach::Lit } else { Reach::Black };
         }
         let starts: Vec<DVec3> = sample_points(outline, 12).into_iter().map(|p| outline.world(p)).collect();
         let seed = 2 * index as u64 + side as u64;
-        match self.is_lit(&starts, self.frame(2 * index + side as usize), seed, PATHS, ENOUGH) {
+        let (paths, enough) = how.paths();
+        match self.is_lit(&starts, self.frame(2 * index + side as usize), seed, paths, enough) {
             false => Reach::Dark,
             true if sides == Sides::Front => Reach::Black,
             true => Reach::Lit,
@@ -235,7 +289,10 @@ impl<'a> Search<'a> {
                 let open = points(patch).into_iter().take(40).find(|point| !covered(point));
                 return Some(open.map_or(Buried::Whole, Buried::LitAt));
             }
-            if !by_reach || self.lamps.is_empty() || self.is_lit(&[patch.centre], frame, seed, PATHS / 3, 1) {
+            if !by_reach
+                || self.space.lamps.is_empty()
+                || self.is_lit(&[patch.centre], frame, seed, PATHS / 3, 1)
+            {
                 return None;
             }
             // In a house of many rooms few of so short paths come upon one of the lamps of this room.
@@ -254,10 +311,10 @@ impl<'a> Search<'a> {
     /// lit sees any, but for seams.
     fn looks_into_dark(&self, reached: &[[Reach; 2]], point: DVec3, frame: Frame) -> bool {
         const RAYS: u32 = 16;
-        let origin = point + frame.normal * self.offset;
+        let origin = point + frame.normal * self.space.offset;
         let meets_dark = |k: &u32| {
             let direction = frame.world(cosine_direction(*k, RAYS, 0.1));
-            self.bvh.nearest(&Ray { origin, direction }, 0.0, f64::INFINITY).is_some_and(|hit| {
+            self.space.bvh.nearest(&Ray { origin, direction }, 0.0, f64::INFINITY).is_some_and(|hit| {
                 let side = self.side_met(hit.triangle, direction);
                 reached[side / 2][side % 2] == Reach::Dark
             })
@@ -269,6 +326,7 @@ impl<'a> Search<'a> {
     /// face it.
     fn lit_points_near(&self, centre: DVec3, normal: DVec3) -> Vec<(DVec3, DVec3)> {
         let mut near: Vec<(f64, (DVec3, DVec3))> = self
+            .space
             .lit_points
             .iter()
             .map(|&lit| (lit.0 - centre, lit))
@@ -284,11 +342,11 @@ impl<'a> Search<'a> {
 
     /// Whether one of these points, each with the direction that it faces, is seen from a point.
     fn sees(&self, from: DVec3, normal: DVec3, points: &[(DVec3, DVec3)]) -> bool {
-        let origin = from + normal * self.offset;
+        let origin = from + normal * self.space.offset;
         points.iter().any(|&(at, towards)| {
-            let direction = at + towards * self.offset - origin;
+            let direction = at + towards * self.space.offset - origin;
             let faces = direction.dot(normal) > 0.0 && direction.dot(towards) < 0.0;
-            faces && !self.bvh.occluded(&Ray { origin, direction }, 0.0, 1.0)
+            faces && !self.space.bvh.occluded(&Ray { origin, direction }, 0.0, 1.0)
         })
     }
 
@@ -309,23 +367,27 @@ impl<'a> Search<'a> {
 
     fn path_finds_light(&self, mut point: DVec3, mut frame: Frame, seed: u64) -> bool {
         for bounce in 0..BOUNCES {
-            point += frame.normal * self.offset;
+            point += frame.normal * self.space.offset;
             let key = seed.wrapping_mul(BOUNCES) + bounce;
             // A lamp, or as often a point that is known to be lit.
-            let targets =
-                if key % 2 == 1 && !self.lit_points.is_empty() { &self.lit_points } else { &self.lamps };
+            let targets = if key % 2 == 1 && !self.space.lit_points.is_empty() {
+                &self.space.lit_points
+            } else {
+                &self.space.lamps
+            };
             let target = (unit(key, 0) * targets.len() as f64) as usize;
             let (at, towards) = targets[target.min(targets.len() - 1)];
-            let at = at + towards * self.offset;
+            let at = at + towards * self.space.offset;
             let to_target = at - point;
             if to_target.dot(frame.normal) > 0.0
                 && to_target.dot(towards) < 0.0
-                && !self.bvh.occluded(&Ray { origin: point, direction: to_target }, 0.0, 1.0)
+                && !self.space.bvh.occluded(&Ray { origin: point, direction: to_target }, 0.0, 1.0)
             {
                 return true;
             }
             let direction = frame.world(cosine_from(unit(key, 1), unit(key, 2)));
-            let Some(hit) = self.bvh.nearest(&Ray { origin: point, direction }, 0.0, f64::INFINITY) else {
+            let Some(hit) = self.space.bvh.nearest(&Ray { origin: point, direction }, 0.0, f64::INFINITY)
+            else {
                 return false;
             };
             point += direction * hit.distance;

@@ -2,10 +2,10 @@
 
 use super::arriving::Arriving;
 use super::effect_costs;
-use super::memory::check_memory;
+use super::memory::{check_memory, too_large};
 use crate::effects::{self, Effect, EffectChoices, EffectPlan};
 use crate::form_factors::{AssembleReport, FormFactors, Method, ReceivingPoints, Row, RowComputer, Sampling};
-use crate::mesh::{self, MeshSettings, PatchMesh, PatchTarget, Refinement};
+use crate::mesh::{self, LightSearch, MeshSettings, PatchMesh, PatchTarget, Refinement, Survey};
 use crate::scene::{Lighting, Scene};
 use crate::solver::{GaussSeidel, LightBases, PatchLight, SweepReport, System};
 use crate::watch::{Cancelled, Watch};
@@ -88,6 +88,8 @@ pub struct Timings {
     pub load: f64,
     /// Splitting into patches.
     pub mesh: f64,
+    /// Of that the survey, which further meshes of the scene need not make again.
+    pub survey: f64,
     /// Deciding effects.
     pub plan: f64,
     /// From the start of the rows until direct light was everywhere; where the light of an earlier solve is
@@ -171,13 +173,12 @@ pub enum PipelineError {
     #[error(transparent)]
     Mesh(mesh::MeshError),
     /// The rows would not fit into memory.
-    #[error(
-        "{patches} patches need about {needed_gb:.1} GB for their form factors and {available_gb:.1} GB are free; \
-         about {fitting} patches would fit: choose a larger patch size or fewer patches"
-    )]
+    #[error("{}", too_large(*patches, *whole, [*needed_gb, *available_gb], *fitting))]
     Memory {
         /// Patches asked for.
         patches: usize,
+        /// Of these, sides of faces smaller than a patch, which need one each.
+        whole: usize,
         /// Estimate of the memory needed, GB.
         needed_gb: f64,
         /// Memory free now, GB.
@@ -207,6 +208,8 @@ impl From<Cancelled> for PipelineError {
 pub struct Prepared {
     /// The scene.
     pub scene: Arc<Scene>,
+    /// What further meshes of it can rest on.
+    pub survey: Arc<Survey>,
     /// Its patches.
     pub mesh: Arc<PatchMesh>,
     /// What is simulated.
@@ -274,12 +277,15 @@ impl Solved {
 /// # Errors
 /// The scene cannot be cut into patches as the settings say.
 pub fn prepare(scene: Arc<Scene>, settings: &SolveSettings) -> Result<Prepared, PipelineError> {
-    Watch::nobody(|watch| prepare_watched(scene, settings, watch))
+    Watch::nobody(|watch| prepare_watched(scene, settings, (None, LightSearch::Full), watch))
 }
 
+/// As [`prepare`]; with the survey of the scene, where there is one, that is not made again, else it is made
+/// by this search.
 pub(super) fn prepare_watched(
     scene: Arc<Scene>,
     settings: &SolveSettings,
+    (survey, search): (Option<Arc<Survey>>, LightSearch),
     watch: &mut Watch<'_>,
 ) -> Result<Prepared, PipelineError> {
     let mut timings = Timings::default();
@@ -290,7 +296,15 @@ pub(super) fn prepare_watched(
         textures: !settings.effects.without.contains(&Effect::Textures),
         refinement: settings.refinement.clone(),
     };
-    let mesh = Arc::new(mesh::build_watched(&scene, &mesh_settings, watch)?);
+    let (survey, mut cutting) = match survey.filter(|survey| survey.serves(&mesh_settings)) {
+        Some(survey) => (survey, watch.part(0.0, 1.0)),
+        None => {
+            let survey = Survey::new(&scene, &mesh_settings, search, &mut watch.part(0.0, SURVEYED))?;
+            timings.survey = clock.elapsed().as_secs_f64();
+            (Arc::new(survey), watch.part(SURVEYED, 1.0))
+        }
+    };
+    let mesh = Arc::new(mesh::build_on(&survey, &scene, &mesh_settings, &mut cutting)?);
     timings.mesh = clock.elapsed().as_secs_f64();
 
     let clock = Instant::now();
@@ -298,7 +312,7 @@ pub(super) fn prepare_watched(
     timings.plan = clock.elapsed().as_secs_f64();
     let visibility = plan.is_on(Effect::Visibility);
     let computer = Arc::new(RowComputer::new(mesh.clone(), settings.sampling(), visibility));
-    Ok(Prepared { scene, mesh, plan, computer, timings })
+    Ok(Prepared { scene, survey, mesh, plan, computer, timings })
 }
 
 /// Reflectance of every patch with some materials changed: `material(index)` gives the new one.
@@ -336,6 +350,8 @@ impl Clock {
     }
 }
 
+/// Of the time of meshing a survey takes about this share.
+const SURVEYED: f64 = 0.9;
 /// Sweeps take so much of the time of the rows, about.
 const SWEEPS: f64 = 0.05;
 /// News comes no more often than this.
@@ -402,7 +418,8 @@ impl<'a> Run<'a> {
         let before = if left_to_compute < n { self.timings.rows } else { 0.0 };
         let clock = self.clock();
         if left_to_compute == n {
-            check_memory(computer, system)?;
+            let cancel = self.cancel;
+            check_memory(computer, system, &|| cancel.load(Ordering::Relaxed))?;
             self.timings.first_light = 0.0;
         }
         known.resize(n, None);
@@ -529,7 +546,7 @@ pub fn solve(
     observer: &mut dyn FnMut(Progress<'_>) -> Control,
 ) -> Result<Solved, PipelineError> {
     let mut run = Run::new(observer, cancel, Timings::default());
-    let prepared = run.prepare(scene, settings)?;
+    let prepared = run.prepare(scene, settings, (None, LightSearch::Full))?;
     let reflectance = patch_reflectance(&prepared.mesh, &|_| None);
     let system = system(&prepared, &reflectance);
     let (mut rows, start) = run.rows(&prepared, &system, None, &mut Vec::new())?;

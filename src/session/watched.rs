@@ -1,6 +1,7 @@
 //! Stages whose work is watched: reading, meshing, balancing.
 
-use super::pipeline::{Clock, PipelineError, Prepared, Run, SolveSettings, Stage, prepare_watched};
+use super::pipeline::{Clock, PipelineError, Prepared, Run, SolveSettings, Stage, Timings, prepare_watched};
+use crate::mesh::{LightSearch, Survey};
 use crate::scene::{self, Scene, SceneError, SceneSource};
 use crate::watch::Watch;
 use std::sync::Arc;
@@ -23,7 +24,8 @@ impl Run<'_> {
         Ok(scene)
     }
 
-    /// Cuts a scene into patches, decides the effects and readies the rows.
+    /// Cuts a scene into patches, decides the effects and readies the rows. With the survey of the scene,
+    /// where there is one, that is not made again, else it is made by this search.
     ///
     /// # Errors
     /// The scene cannot be cut into patches as the settings say, or the run was ended.
@@ -31,11 +33,13 @@ impl Run<'_> {
         &mut self,
         scene: Arc<Scene>,
         settings: &SolveSettings,
+        survey: (Option<Arc<Survey>>, LightSearch),
     ) -> Result<Prepared, PipelineError> {
         self.tell(Stage::Meshing, (0, 0), (0.0, None), &[], None, true)?;
-        let cut = |watch: &mut Watch<'_>| prepare_watched(scene, settings, watch);
+        let cut = |watch: &mut Watch<'_>| prepare_watched(scene, settings, survey, watch);
         let prepared = self.watched(Stage::Meshing, (0, 0), ([0.0, 1.0], 0.0), cut)?;
-        (self.timings.mesh, self.timings.plan) = (prepared.timings.mesh, prepared.timings.plan);
+        let Timings { mesh, survey, plan, .. } = prepared.timings;
+        self.timings = Timings { mesh, survey, plan, ..self.timings };
         Ok(prepared)
     }
 

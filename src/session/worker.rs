@@ -7,7 +7,7 @@ use super::recompute::{Recompute, same_geometry};
 use super::threads;
 use crate::effects::EffectPlan;
 use crate::form_factors::{AssembleReport, FormFactors, Row, RowComputer};
-use crate::mesh::PatchMesh;
+use crate::mesh::{LightSearch, PatchMesh};
 use crate::scene::{Scene, SceneError, SceneSource};
 use crate::solver::{LightBases, SweepReport};
 use rayon::ThreadPool;
@@ -476,7 +476,9 @@ impl Worker<'_> {
         todo: &mut Recompute,
         timings: Timings,
     ) -> Result<(), Failure> {
-        let prepared = self.with_run(|run| run.prepare(scene.clone(), &wanted.settings))?;
+        let before = self.state.prepared.as_ref().filter(|old| Arc::ptr_eq(&old.scene, &scene));
+        let survey = (before.map(|old| old.survey.clone()), LightSearch::Full);
+        let prepared = self.with_run(|run| run.prepare(scene.clone(), &wanted.settings, survey))?;
         self.check_cancel()?;
         let same = !todo.method
             && self.state.prepared.as_ref().is_some_and(|old| same_geometry(&old.mesh, &prepared.mesh));
@@ -495,8 +497,8 @@ impl Worker<'_> {
         self.state.bases = light.map(Arc::new);
         self.state.scene = Some(scene.clone());
         self.snapshot.timings = timings;
-        self.snapshot.timings.mesh = prepared.timings.mesh;
-        self.snapshot.timings.plan = prepared.timings.plan;
+        (self.snapshot.timings.mesh, self.snapshot.timings.plan) =
+            (prepared.timings.mesh, prepared.timings.plan);
         self.snapshot.scene = Some(scene);
         self.snapshot.mesh = Some(prepared.mesh.clone());
         self.snapshot.plan = Some(prepared.plan.clone());

@@ -11,6 +11,7 @@ mod refine;
 mod sweep;
 pub mod table;
 mod trial;
+mod until;
 
 pub use audited::{audit, shown};
 pub use chart::chart;

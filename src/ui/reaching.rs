@@ -69,7 +69,8 @@ impl Auditor {
             });
             return None;
         };
-        let settings = study::settings_of(fineness, self.goal, &now.effects, self.refinement.clone());
+        let settings =
+            study::settings_of(&self.model, fineness, self.goal, &now.effects, self.refinement.clone());
         if settings == *now {
             self.end("This is the best choice already".to_owned());
             return None;
