@@ -1,3 +1,4 @@
+use super::backing::{Backing, Sheets};
 use super::contacts::Edges;
 use super::grading::Lamps;
 use super::patches;
@@ -144,7 +145,7 @@ pub fn build_on(
     settings: &MeshSettings,
     watch: &mut Watch<'_>,
 ) -> Result<PatchMesh, MeshError> {
-    let Survey { outlines, dropped, reached, space, .. } = survey;
+    let Survey { outlines, dropped, reached, sheets, sources, .. } = survey;
     let (size, sides) = (survey.size, survey.sides());
     let as_given = settings.target == PatchTarget::AsGiven;
 
@@ -174,11 +175,14 @@ pub fn build_on(
             mesh.contacts.push(contacts);
             groups
         };
-        // 2. One patch per group and lit side.
+        // 2. One patch per group and lit side; none where another surface lies on the back.
+        mark_backed(&mut mesh, sheets, index);
         for side in [Side::Front, Side::Back] {
             if sides[index][side as usize] {
                 for group in &groups {
-                    patches::append(&mut mesh, scene, outline, side, group, settings.textures);
+                    let is_open = |p: &&u32| side == Side::Front || !mesh.pieces[**p as usize].backed;
+                    let open: Vec<u32> = group.iter().filter(is_open).copied().collect();
+                    patches::append(&mut mesh, scene, outline, side, &open, settings.textures);
                 }
             }
         }
@@ -186,12 +190,16 @@ pub fn build_on(
     if mesh.patches.is_empty() {
         return Err(MeshError::Empty);
     }
-    for (region, reached) in mesh.regions.iter_mut().zip(reached) {
-        region.dark = reached.map(|side| side == Reach::Dark);
+    let front_is_dark = |&index: &u32| reached[index as usize][Side::Front as usize] == Reach::Dark;
+    for (index, region) in mesh.regions.iter_mut().enumerate() {
+        region.dark = reached[index].map(|side| side == Reach::Dark);
+        if region.backing == Backing::Whole {
+            region.dark[Side::Back as usize] = sheets.backers[index].iter().all(front_is_dark);
+        }
     }
     if settings.backs == Backs::Reached {
         let points = |patch: &Patch| patches::inner_points(&mesh, patch);
-        let search = Search::new(scene, outlines, space);
+        let search = Search::new(scene, outlines, sheets, sources);
         let found = search.buried(reached, &mesh.patches, points, &mut watch.part(CUT, 1.0))?;
         for (index, buried) in found.into_iter().enumerate() {
             match buried {
@@ -204,6 +212,18 @@ pub fn build_on(
     mesh.blockers = blockers(outlines, size);
     mesh.statistics = statistics(&mesh, scene, &sides, *dropped, (patch_size, asked));
     Ok(mesh)
+}
+
+/// Notes which pieces of the last region, made of the outline at `index`, have another surface on their back.
+fn mark_backed(mesh: &mut PatchMesh, sheets: &Sheets, index: usize) {
+    let Some(region) = mesh.regions.last_mut() else { return };
+    region.backing = sheets.backing[index];
+    for p in region.pieces.clone() {
+        let piece = &mesh.pieces[p as usize];
+        let corners: Vec<glam::DVec2> = mesh.corners_of(piece).iter().map(|c| c.plane).collect();
+        let backed = sheets.covers_back(index, crate::geometry::polygon::centroid_2d(&corners));
+        mesh.pieces[p as usize].backed = backed;
+    }
 }
 
 /// Convex parts of surfaces large enough to hide much of the scene, by falling area.

@@ -5,9 +5,10 @@
 //! path leads back. Paths run through free space only, so that the inside of a box that stands on a lit
 //! floor stays dark although it touches the floor.
 
+use super::backing::{Backing, Sheets};
 use super::regions::Outline;
 use super::types::{Patch, Side};
-use crate::geometry::{Bvh, Frame, Ray, polygon};
+use crate::geometry::{Frame, Ray, polygon};
 use crate::scene::{Scene, Sides};
 use crate::watch::{Cancelled, Watch};
 use glam::{DVec2, DVec3};
@@ -40,6 +41,8 @@ pub(super) enum Reach {
     Black,
     /// No light reaches it, so nothing lit sees it.
     Dark,
+    /// It is the back of a surface on which another one lies, and is never seen.
+    Backed,
 }
 
 /// A patch whose centre no light reaches.
@@ -75,42 +78,27 @@ impl LightSearch {
 pub(super) struct Search<'a> {
     scene: &'a Scene,
     outlines: &'a [Outline],
-    space: &'a Space,
+    sheets: &'a Sheets,
+    sources: &'a Sources,
 }
 
-/// The room that light travels through, and where it is known to come from.
-pub(super) struct Space {
-    bvh: Bvh,
-    /// Front normal of each triangle.
-    normals: Vec<DVec3>,
-    /// The outline that each triangle is a part of.
-    owners: Vec<u32>,
+/// Where light is known to come from.
+pub(super) struct Sources {
     /// Points on lamps with the direction that they shine to.
     lamps: Vec<(DVec3, DVec3)>,
     lamp_tangents: Vec<DVec3>,
     /// Points on lit sides with the direction that they face, where the search had to find them.
     lit_points: Vec<(DVec3, DVec3)>,
+    /// Paths and rays start so far before a surface, metres.
     offset: f64,
 }
 
-impl Space {
-    /// The space around the outlines of a scene of some `size`, metres. No side is known to be lit but those
-    /// of lamps.
+impl Sources {
+    /// The lamps of a scene of some `size`, metres; no other side is known to be lit.
     pub(super) fn new(outlines: &[Outline], size: f64) -> Self {
-        let mut triangles = Vec::new();
-        let mut normals = Vec::new();
-        let mut owners = Vec::new();
         let (mut lamps, mut lamp_tangents) = (Vec::new(), Vec::new());
-        for (index, outline) in outlines.iter().enumerate() {
+        for outline in outlines {
             let normal = outline.frame.normal;
-            for part in &outline.parts {
-                for k in 1..part.corners.len() - 1 {
-                    let triangle = [part.corners[0], part.corners[k], part.corners[k + 1]];
-                    triangles.push(triangle.map(|c| outline.world(c)));
-                    normals.push(normal);
-                    owners.push(index as u32);
-                }
-            }
             if outline.luminaire.is_some() {
                 for point in sample_points(outline, 3) {
                     lamps.push((outline.world(point), normal));
@@ -122,15 +110,7 @@ impl Space {
                 }
             }
         }
-        Self {
-            bvh: Bvh::build(&triangles),
-            normals,
-            owners,
-            lamps,
-            lamp_tangents,
-            lit_points: Vec::new(),
-            offset: size * 1e-7,
-        }
+        Self { lamps, lamp_tangents, lit_points: Vec::new(), offset: size * 1e-7 }
     }
 
     /// For every region how its front and its back stand to light; remembers points that are lit.
@@ -141,10 +121,11 @@ impl Space {
         &mut self,
         scene: &Scene,
         outlines: &[Outline],
+        sheets: &Sheets,
         how: LightSearch,
         watch: &mut Watch<'_>,
     ) -> Result<Vec<[Reach; 2]>, Cancelled> {
-        let first = Search { scene, outlines, space: self };
+        let first = Search { scene, outlines, sheets, sources: self };
         let both =
             |index: usize, _: &Outline| [Side::Front, Side::Back].map(|side| first.side(index, side, how));
         let mut reached: Vec<[Reach; 2]> = watch.part(0.0, 0.6).map(outlines, both)?;
@@ -152,11 +133,11 @@ impl Space {
             return Ok(reached);
         }
         // A side that the light of lamps meets over many bounces is lit, too.
-        let lit = Search { scene, outlines, space: self }.lit_by_lamps(&mut reached);
+        let lit = Search { scene, outlines, sheets, sources: self }.lit_by_lamps(&mut reached);
         self.lit_points.extend(lit);
         // With so many lit points to look for, those that few paths led to are found as well: many small
         // facets around a place that is lit through a gap.
-        let search = Search { scene, outlines, space: self };
+        let search = Search { scene, outlines, sheets, sources: self };
         watch.part(0.6, 1.0).map(&reached, |index, both| {
             [Side::Front, Side::Back].map(|side| match both[side as usize] {
                 Reach::Dark => search.side(index, side, how),
@@ -167,8 +148,13 @@ impl Space {
 }
 
 impl<'a> Search<'a> {
-    pub(super) fn new(scene: &'a Scene, outlines: &'a [Outline], space: &'a Space) -> Self {
-        Self { scene, outlines, space }
+    pub(super) fn new(
+        scene: &'a Scene,
+        outlines: &'a [Outline],
+        sheets: &'a Sheets,
+        sources: &'a Sources,
+    ) -> Self {
+        Self { scene, outlines, sheets, sources }
     }
 
     /// Marks the sides that the light of lamps meets over many bounces, and finds points there with the
@@ -202,16 +188,14 @@ impl<'a> Search<'a> {
     /// The sides that light from a lamp meets on one path, each with the first point there.
     fn path_of_lamp(&self, path: u64) -> Vec<(usize, DVec3)> {
         let mut met: Vec<(usize, DVec3)> = Vec::new();
-        let (mut point, normal) = self.space.lamps[path as usize % self.space.lamps.len()];
+        let (mut point, normal) = self.sources.lamps[path as usize % self.sources.lamps.len()];
         let mut frame =
-            Frame::along(normal, self.space.lamp_tangents[path as usize % self.space.lamps.len()]);
+            Frame::along(normal, self.sources.lamp_tangents[path as usize % self.sources.lamps.len()]);
         for bounce in 0..LAMP_BOUNCES {
             let key = (1 << 50) + LAMP_BOUNCES * path + bounce;
             let direction = frame.world(cosine_from(unit(key, 1), unit(key, 2)));
-            let origin = point + frame.normal * self.space.offset;
-            let Some(hit) = self.space.bvh.nearest(&Ray { origin, direction }, 0.0, f64::INFINITY) else {
-                break;
-            };
+            let origin = point + frame.normal * self.sources.offset;
+            let Some(hit) = self.sheets.nearest(&Ray { origin, direction }) else { break };
             let side = self.side_met(hit.triangle, direction);
             point = origin + direction * hit.distance;
             if !met.iter().any(|m| m.0 == side) {
@@ -227,8 +211,8 @@ impl<'a> Search<'a> {
 
     /// The side (2 x region + side) of a triangle that a ray in this direction meets.
     fn side_met(&self, triangle: u32, direction: DVec3) -> usize {
-        let back = self.space.normals[triangle as usize].dot(direction) > 0.0;
-        2 * self.space.owners[triangle as usize] as usize + usize::from(back)
+        let back = self.sheets.meets_back(triangle, direction);
+        2 * self.sheets.owners[triangle as usize] as usize + usize::from(back)
     }
 
     /// Whether a side reflects nothing by its material's own word.
@@ -245,16 +229,21 @@ impl<'a> Search<'a> {
 
     fn side(&self, index: usize, side: Side, how: LightSearch) -> Reach {
         let outline = &self.outlines[index];
+        if side == Side::Back && self.sheets.backing[index] == Backing::Whole {
+            return Reach::Backed;
+        }
         let emits = outline.luminaire.is_some() && (side == Side::Front || outline.emits_back);
         let sides = self.scene.materials[outline.material as usize].sides;
         if emits || sides == Sides::Both || (sides == Sides::Front && side == Side::Front) {
             return Reach::Lit;
         }
-        if self.space.lamps.is_empty() {
+        if self.sources.lamps.is_empty() {
             // Nothing is lit; every front is kept, so that there is something to see.
             return if side == Side::Front { Reach::Lit } else { Reach::Black };
         }
-        let starts: Vec<DVec3> = sample_points(outline, 12).into_iter().map(|p| outline.world(p)).collect();
+        let mut starts = sample_points(outline, 12);
+        starts.retain(|&at| side == Side::Front || !self.sheets.covers_back(index, at));
+        let starts: Vec<DVec3> = starts.into_iter().map(|p| outline.world(p)).collect();
         let seed = 2 * index as u64 + side as u64;
         let (paths, enough) = how.paths();
         match self.is_lit(&starts, self.frame(2 * index + side as usize), seed, paths, enough) {
@@ -290,7 +279,7 @@ impl<'a> Search<'a> {
                 return Some(open.map_or(Buried::Whole, Buried::LitAt));
             }
             if !by_reach
-                || self.space.lamps.is_empty()
+                || self.sources.lamps.is_empty()
                 || self.is_lit(&[patch.centre], frame, seed, PATHS / 3, 1)
             {
                 return None;
@@ -311,10 +300,10 @@ impl<'a> Search<'a> {
     /// lit sees any, but for seams.
     fn looks_into_dark(&self, reached: &[[Reach; 2]], point: DVec3, frame: Frame) -> bool {
         const RAYS: u32 = 16;
-        let origin = point + frame.normal * self.space.offset;
+        let origin = point + frame.normal * self.sources.offset;
         let meets_dark = |k: &u32| {
             let direction = frame.world(cosine_direction(*k, RAYS, 0.1));
-            self.space.bvh.nearest(&Ray { origin, direction }, 0.0, f64::INFINITY).is_some_and(|hit| {
+            self.sheets.nearest(&Ray { origin, direction }).is_some_and(|hit| {
                 let side = self.side_met(hit.triangle, direction);
                 reached[side / 2][side % 2] == Reach::Dark
             })
@@ -326,7 +315,7 @@ impl<'a> Search<'a> {
     /// face it.
     fn lit_points_near(&self, centre: DVec3, normal: DVec3) -> Vec<(DVec3, DVec3)> {
         let mut near: Vec<(f64, (DVec3, DVec3))> = self
-            .space
+            .sources
             .lit_points
             .iter()
             .map(|&lit| (lit.0 - centre, lit))
@@ -342,11 +331,11 @@ impl<'a> Search<'a> {
 
     /// Whether one of these points, each with the direction that it faces, is seen from a point.
     fn sees(&self, from: DVec3, normal: DVec3, points: &[(DVec3, DVec3)]) -> bool {
-        let origin = from + normal * self.space.offset;
+        let origin = from + normal * self.sources.offset;
         points.iter().any(|&(at, towards)| {
-            let direction = at + towards * self.space.offset - origin;
+            let direction = at + towards * self.sources.offset - origin;
             let faces = direction.dot(normal) > 0.0 && direction.dot(towards) < 0.0;
-            faces && !self.space.bvh.occluded(&Ray { origin, direction }, 0.0, 1.0)
+            faces && !self.sheets.occluded(&Ray { origin, direction }, 1.0)
         })
     }
 
@@ -367,27 +356,26 @@ impl<'a> Search<'a> {
 
     fn path_finds_light(&self, mut point: DVec3, mut frame: Frame, seed: u64) -> bool {
         for bounce in 0..BOUNCES {
-            point += frame.normal * self.space.offset;
+            point += frame.normal * self.sources.offset;
             let key = seed.wrapping_mul(BOUNCES) + bounce;
             // A lamp, or as often a point that is known to be lit.
-            let targets = if key % 2 == 1 && !self.space.lit_points.is_empty() {
-                &self.space.lit_points
+            let targets = if key % 2 == 1 && !self.sources.lit_points.is_empty() {
+                &self.sources.lit_points
             } else {
-                &self.space.lamps
+                &self.sources.lamps
             };
             let target = (unit(key, 0) * targets.len() as f64) as usize;
             let (at, towards) = targets[target.min(targets.len() - 1)];
-            let at = at + towards * self.space.offset;
+            let at = at + towards * self.sources.offset;
             let to_target = at - point;
             if to_target.dot(frame.normal) > 0.0
                 && to_target.dot(towards) < 0.0
-                && !self.space.bvh.occluded(&Ray { origin: point, direction: to_target }, 0.0, 1.0)
+                && !self.sheets.occluded(&Ray { origin: point, direction: to_target }, 1.0)
             {
                 return true;
             }
             let direction = frame.world(cosine_from(unit(key, 1), unit(key, 2)));
-            let Some(hit) = self.space.bvh.nearest(&Ray { origin: point, direction }, 0.0, f64::INFINITY)
-            else {
+            let Some(hit) = self.sheets.nearest(&Ray { origin: point, direction }) else {
                 return false;
             };
             point += direction * hit.distance;

@@ -16,6 +16,22 @@ pub(super) struct Parts<'a> {
     pub(super) materials: &'a [Material],
     /// Exitance of each material by its Ke, W/m² per band.
     pub(super) exitance: &'a [[f64; 3]],
+    /// For each surface the one that is written for its other side.
+    pub(super) partners: &'a [Option<u32>],
+}
+
+impl Parts<'_> {
+    fn partner(&self, surface: usize) -> Option<usize> {
+        self.partners[surface].map(|p| p as usize)
+    }
+}
+
+/// A surface that emits, and the one whose material says how strongly: the same, but where a lamp that
+/// emits from both sides has its other side written as a face of its own.
+#[derive(Clone, Copy)]
+struct Member {
+    surface: usize,
+    like: usize,
 }
 
 /// Makes the lamps: first those of the sidecar, in its order, then one for each object and emitting
@@ -39,7 +55,10 @@ pub(super) fn gather(
             if let Some(fault) = entry.fault() {
                 return Err(fail(fault));
             }
-            let members = members(entry, parts, surfaces).map_err(fail)?;
+            let mut members = members(entry, parts, surfaces).map_err(fail)?;
+            if entry.emits == Some(EmitsKey::Both) {
+                add_other_sides(&mut members, parts, surfaces);
+            }
             let name = if entry.name.is_some() && !taken.insert(name.clone()) {
                 return Err(fail("is there twice; names must differ".to_owned()));
             } else if entry.name.is_some() {
@@ -52,7 +71,12 @@ pub(super) fn gather(
                 source.error_at(at, format!("the luminaire '{}' {fault}", names::short(&name)))
             })?;
             if entry.emits == Some(EmitsKey::Back) {
-                members.iter().for_each(|&m| turn(&mut surfaces[m], normals));
+                // What is written for the other side changes places with it.
+                let both = |m: &Member| [Some(m.surface), parts.partner(m.surface)];
+                let mut turned: Vec<usize> = members.iter().flat_map(both).flatten().collect();
+                turned.sort_unstable();
+                turned.dedup();
+                turned.into_iter().for_each(|m| turn(&mut surfaces[m], normals));
             }
             luminaires.push(Luminaire { name, area: area(parts, surfaces, &members), initial });
         }
@@ -65,8 +89,9 @@ pub(super) fn gather(
         let name =
             default_name(&parts.objects[object as usize], several, &parts.materials[material as usize].name);
         let exitance = parts.exitance[material as usize];
-        for &member in &members {
-            surfaces[member].emission_weight = [1.0; 3];
+        let members: Vec<Member> = members.into_iter().map(|m| Member { surface: m, like: m }).collect();
+        for member in &members {
+            surfaces[member.surface].emission_weight = [1.0; 3];
         }
         let initial = LampState { on: true, dimmer: 1.0, exitance };
         luminaires.push(Luminaire {
@@ -75,7 +100,7 @@ pub(super) fn gather(
             initial,
         });
         for member in members {
-            surfaces[member].luminaire = Some(luminaires.len() as u32 - 1);
+            surfaces[member.surface].luminaire = Some(luminaires.len() as u32 - 1);
         }
     }
     Ok(luminaires)
@@ -112,13 +137,11 @@ fn surface_area(positions: &[DVec3], surface: &Surface) -> f64 {
 }
 
 /// Emitting area: both sides count where both emit.
-fn area(parts: &Parts<'_>, surfaces: &[Surface], members: &[usize]) -> f64 {
-    members
-        .iter()
-        .map(|&m| {
-            surface_area(parts.positions, &surfaces[m]) * if surfaces[m].emits_back { 2.0 } else { 1.0 }
-        })
-        .sum()
+fn area(parts: &Parts<'_>, surfaces: &[Surface], members: &[Member]) -> f64 {
+    let of = |surface: &Surface| {
+        surface_area(parts.positions, surface) * if surface.emits_back { 2.0 } else { 1.0 }
+    };
+    members.iter().map(|m| of(&surfaces[m.surface])).sum()
 }
 
 /// Whether an entry's names select a surface.
@@ -129,7 +152,7 @@ pub(super) fn selects(entry: &LuminaireEntry, object: &str, material: &str) -> b
 }
 
 /// The surfaces of an entry: of those selected and free the ones that emit, or all if none does.
-fn members(entry: &LuminaireEntry, parts: &Parts<'_>, surfaces: &[Surface]) -> Result<Vec<usize>, String> {
+fn members(entry: &LuminaireEntry, parts: &Parts<'_>, surfaces: &[Surface]) -> Result<Vec<Member>, String> {
     for (kind, wanted, known) in [
         (
             "object",
@@ -167,7 +190,20 @@ fn members(entry: &LuminaireEntry, parts: &Parts<'_>, surfaces: &[Surface]) -> R
         return Err("selects only surfaces that an entry above it has taken".to_owned());
     }
     let emitting: Vec<usize> = free.iter().copied().filter(|&i| emits(parts, &surfaces[i])).collect();
-    Ok(if emitting.is_empty() { free } else { emitting })
+    let chosen = if emitting.is_empty() { free } else { emitting };
+    Ok(chosen.into_iter().map(|m| Member { surface: m, like: m }).collect())
+}
+
+/// Adds the faces that are written for the other sides of these, but for those that emit by themselves.
+fn add_other_sides(members: &mut Vec<Member>, parts: &Parts<'_>, surfaces: &[Surface]) {
+    let own: HashSet<usize> = members.iter().map(|m| m.surface).collect();
+    let is_free = |&other: &usize| {
+        !own.contains(&other) && surfaces[other].luminaire.is_none() && !emits(parts, &surfaces[other])
+    };
+    let other_side =
+        |like: usize| parts.partner(like).filter(is_free).map(|surface| Member { surface, like });
+    let others: Vec<Member> = members.iter().filter_map(|m| other_side(m.surface)).collect();
+    members.extend(others);
 }
 
 /// Sets the emission of a lamp's surfaces and returns its state.
@@ -177,11 +213,11 @@ fn light(
     entry: &LuminaireEntry,
     parts: &Parts<'_>,
     surfaces: &mut [Surface],
-    members: &[usize],
+    members: &[Member],
     number: u32,
 ) -> Result<LampState, String> {
     let given: Vec<[f64; 3]> =
-        members.iter().map(|&m| parts.exitance[surfaces[m].material as usize]).collect();
+        members.iter().map(|m| parts.exitance[surfaces[m.like].material as usize]).collect();
     let mut largest = [0.0_f64; 3];
     for exitance in &given {
         for band in 0..3 {
@@ -189,10 +225,10 @@ fn light(
         }
     }
     let dark = largest == [0.0; 3];
-    for (&member, exitance) in members.iter().zip(&given) {
-        let surface = &mut surfaces[member];
+    for (member, exitance) in members.iter().zip(&given) {
+        let surface = &mut surfaces[member.surface];
         surface.luminaire = Some(number);
-        surface.emits_back = entry.emits == Some(EmitsKey::Both);
+        surface.emits_back = entry.emits == Some(EmitsKey::Both) && parts.partner(member.surface).is_none();
         for band in 0..3 {
             // A band that no surface emits by itself is the same for all when the entry gives it one.
             surface.emission_weight[band] =
@@ -220,7 +256,7 @@ fn light(
         let strength = luminance_weighted(largest);
         return Ok(state(colour.map(|c| c * strength)));
     };
-    let per_unit: f64 = members.iter().map(|&m| flux(parts.positions, &surfaces[m], colour)).sum();
+    let per_unit: f64 = members.iter().map(|m| flux(parts.positions, &surfaces[m.surface], colour)).sum();
     let factor = lumens / per_unit;
     if !factor.is_finite() {
         return Err("cannot give that many lumens: its surfaces emit nothing in that colour".to_owned());

@@ -3,6 +3,7 @@
 
 use super::finding::{Finding, FindingKind, Severity};
 use super::obj::{Face, Obj};
+use super::sides::{self, Ring};
 use super::tally::Tally;
 use super::types::{Corner, Surface};
 use crate::geometry::{Frame, polygon};
@@ -68,7 +69,7 @@ struct Workshop<'a> {
     bad_normals: Tally,
     turned_normals: Tally,
     twice: Tally,
-    two_sided: Tally,
+    both_sides: Tally,
     contested: Tally,
 }
 
@@ -88,7 +89,7 @@ impl<'a> Workshop<'a> {
             bad_normals: Tally::default(),
             turned_normals: Tally::default(),
             twice: Tally::default(),
-            two_sided: Tally::default(),
+            both_sides: Tally::default(),
             contested: Tally::default(),
         }
     }
@@ -219,50 +220,42 @@ impl<'a> Workshop<'a> {
             .collect()
     }
 
-    /// Of surfaces over the same corners one is kept, unless they differ in side and material.
+    /// Of surfaces over the same corners that face the same way one is kept.
     fn drop_duplicates(&mut self, emits: &[bool]) {
-        let mut first_over: HashMap<Vec<u32>, usize> = HashMap::with_capacity(self.surfaces.len());
+        let welded = sides::welded(self.positions, &self.surfaces);
+        let mut first_on: HashMap<Ring, usize> = HashMap::with_capacity(self.surfaces.len());
         let mut keep = vec![true; self.surfaces.len()];
         for index in 0..self.surfaces.len() {
             let surface = &self.surfaces[index];
-            let mut key: Vec<u32> = surface.corners.iter().map(|c| c.position).collect();
-            key.sort_unstable();
-            let slot = first_over.entry(key).or_insert(index);
+            let ring = Ring::of(surface, &welded);
+            if !first_on.contains_key(&ring) && first_on.contains_key(&ring.turned()) {
+                let outline = outline_of(self.positions, surface);
+                self.both_sides.add(surface.object, surface.line.unwrap_or(0), outline);
+            }
+            let slot = first_on.entry(ring).or_insert(index);
             let first = *slot;
             if first == index {
                 continue;
             }
-            let same_side = self.normal_of(first).dot(self.normal_of(index)) > 0.0;
             let kept = &self.surfaces[first];
-            if kept.material == surface.material {
-                keep[index] = false;
-                let tally = if same_side { &mut self.twice } else { &mut self.two_sided };
-                tally.add(surface.object, surface.line.unwrap_or(0), outline_of(self.positions, surface));
-            } else if same_side {
-                // Two materials on one side cannot both be seen: the lamp wins, else the first.
-                let lamp_is_later = emits[surface.material as usize] && !emits[kept.material as usize];
-                let dropped = if lamp_is_later { first } else { index };
-                keep[dropped] = false;
-                let surface = &self.surfaces[dropped];
-                let outline = outline_of(self.positions, surface);
-                self.contested.add(surface.object, surface.line.unwrap_or(0), outline);
-                if lamp_is_later {
-                    *slot = index;
-                }
+            let is_same = kept.material == surface.material;
+            // Two materials on one side cannot both be seen: the lamp wins, else the first.
+            let lamp_is_later = emits[surface.material as usize] && !emits[kept.material as usize];
+            let dropped = if lamp_is_later { first } else { index };
+            keep[dropped] = false;
+            if lamp_is_later {
+                *slot = index;
             }
+            let surface = &self.surfaces[dropped];
+            let tally = if is_same { &mut self.twice } else { &mut self.contested };
+            tally.add(surface.object, surface.line.unwrap_or(0), outline_of(self.positions, surface));
         }
         let mut keep = keep.into_iter();
         self.surfaces.retain(|_| keep.next().unwrap_or(true));
     }
 
-    fn normal_of(&self, index: usize) -> DVec3 {
-        let corners = &self.surfaces[index].corners;
-        let outline: Vec<DVec3> = corners.iter().map(|c| self.positions[c.position as usize]).collect();
-        polygon::area_vector(&outline)
-    }
-
     fn finish(mut self) -> Repaired {
-        use FindingKind::{Degenerate, Duplicate, NonPlanar, Normals, SelfCrossing};
+        use FindingKind::{Degenerate, Duplicate, Material, NonPlanar, Normals, SelfCrossing};
         use Severity::{Note, Warning};
         let (mut findings, objects) = (Vec::new(), &self.obj.objects);
         let normals_note = "light does not ask for them, only the shading of the picture";
@@ -280,10 +273,10 @@ impl<'a> Workshop<'a> {
                 "one of each is lit",
             ),
             (
-                &mut self.two_sided,
-                (Duplicate, Note),
-                "faces given once for each side were joined into one, which faces as the first did",
-                "it is lit on every side that light reaches",
+                &mut self.both_sides,
+                (Material, Note),
+                "faces are written once more for their other side",
+                "each side has the material, image and lamp of its own face",
             ),
             (
                 &mut self.contested,
@@ -503,14 +496,26 @@ mod tests {
     }
 
     #[test]
-    fn of_duplicates_one_stays_and_the_first_says_which_side_is_the_front() {
+    fn of_duplicates_on_one_side_one_stays() {
         let same = faces(&SQUARE, &[(&[0, 1, 2, 3], 0), (&[1, 2, 3, 0], 0)]);
         assert_eq!((same.surfaces.len(), only_finding(&same, "twice").count), (1, 1));
-        let sides = faces(&SQUARE, &[(&[3, 2, 1, 0], 1), (&[0, 1, 2, 3], 1), (&[1, 2, 3, 0], 1)]);
-        assert_eq!((sides.surfaces.len(), only_finding(&sides, "each side").count), (1, 2));
-        assert_eq!(sides.surfaces[0].corners[0].position, 3);
-        let painted = faces(&SQUARE, &[(&[3, 2, 1, 0], 0), (&[0, 1, 2, 3], 1)]);
-        assert_eq!((painted.surfaces.len(), painted.findings.len()), (2, 0));
+        // Corners of its own, nearer than a millionth of the diagonal.
+        let mut apart = SQUARE.to_vec();
+        apart.extend(SQUARE.map(|[x, y, z]| [x + 1e-6, y, z - 5e-7]));
+        let near = faces(&apart, &[(&[0, 1, 2, 3], 0), (&[5, 6, 7, 4], 0)]);
+        assert_eq!((near.surfaces.len(), only_finding(&near, "twice").count), (1, 1));
+        apart[6][2] = 1e-5;
+        assert_eq!(faces(&apart, &[(&[0, 1, 2, 3], 0), (&[5, 6, 7, 4], 0)]).surfaces.len(), 2);
+    }
+
+    #[test]
+    fn a_face_for_each_side_stays_whatever_its_material() {
+        for material in [0, 1] {
+            let sides = faces(&SQUARE, &[(&[3, 2, 1, 0], material), (&[0, 1, 2, 3], 1)]);
+            assert_eq!((sides.surfaces.len(), only_finding(&sides, "other side").count), (2, 1));
+        }
+        let thrice = faces(&SQUARE, &[(&[3, 2, 1, 0], 1), (&[0, 1, 2, 3], 1), (&[1, 2, 3, 0], 1)]);
+        assert_eq!((thrice.surfaces.len(), thrice.findings.len()), (2, 2), "{:?}", thrice.findings);
     }
 
     #[test]

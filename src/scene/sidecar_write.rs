@@ -3,7 +3,8 @@
 use super::error::SceneError;
 use super::luminaires::{selectors, selects};
 use super::sidecar::{LuminaireEntry, MaterialEntry, Sidecar, SidesKey, Source, UpKey, ViewEntry};
-use super::types::{LengthUnit, Lighting, Scene, Sides, UpAxis};
+use super::sides::partners;
+use super::types::{LengthUnit, Lighting, Scene, Sides, Surface, UpAxis};
 use std::io;
 use std::path::Path;
 use toml::Spanned;
@@ -36,14 +37,13 @@ pub fn sidecar_text(
     sidecar.up = Some(if scene.up == UpAxis::Z { UpKey::Z } else { UpKey::Y });
     sidecar.patch_size = scene.patch_size.map(unplaced);
     sidecar.start = scene.views.get(scene.start_view).map(|view| unplaced(view.name.clone()));
-    let units = 1.0 / scene.unit.metres();
     sidecar.views = scene
         .views
         .iter()
         .map(|view| ViewEntry {
             name: unplaced(view.name.clone()),
-            eye: (view.eye * units).to_array(),
-            target: (view.target * units).to_array(),
+            eye: scene.in_file(view.eye).to_array(),
+            target: scene.in_file(view.target).to_array(),
             fov: view.fov_y_deg,
         })
         .collect();
@@ -185,13 +185,20 @@ fn unplaced<T>(value: T) -> Spanned<T> {
     Spanned::new(0..0, value)
 }
 
-/// Whether the n-th entry selects the surfaces of the n-th lamp, as it does right after reading.
+/// Whether the n-th entry selects the surfaces of the n-th lamp, as it does right after reading: each of
+/// them, or that which is written for its other side.
 fn entries_fit(scene: &Scene, sidecar: &Sidecar) -> bool {
-    scene.surfaces.iter().all(|surface| {
+    let partners = partners(&scene.positions, &scene.surfaces);
+    scene.surfaces.iter().zip(&partners).all(|(surface, partner)| {
         let entry = surface.luminaire.and_then(|number| sidecar.luminaires.get(number as usize));
-        entry.is_none_or(|entry| {
+        let is_selected = |entry: &LuminaireEntry, surface: &Surface| {
             let object = &scene.objects[surface.object as usize];
-            selects(entry.get_ref(), object, &scene.materials[surface.material as usize].name)
+            selects(entry, object, &scene.materials[surface.material as usize].name)
+        };
+        let other = partner.map(|p| &scene.surfaces[p as usize]);
+        entry.is_none_or(|entry| {
+            let entry = entry.get_ref();
+            is_selected(entry, surface) || other.is_some_and(|other| is_selected(entry, other))
         })
     })
 }

@@ -6,6 +6,7 @@ mod memory;
 mod pipeline;
 mod recompute;
 mod threads;
+mod wanted;
 mod watched;
 mod worker;
 

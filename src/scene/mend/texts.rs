@@ -7,6 +7,7 @@ use crate::scene::luminaires::turn;
 use crate::scene::mtl::{image_name, library_files};
 use crate::scene::obj::{keyword, logical_lines};
 use crate::scene::sidecar::{EmitsKey, Source};
+use crate::scene::sides::partners;
 use crate::scene::types::{Scene, SceneSource};
 use std::fmt::Write as _;
 use std::path::{Component, Path, PathBuf};
@@ -23,7 +24,7 @@ pub(super) struct Originals {
 /// Reads what a copy takes over.
 pub(super) fn originals(scene: &Scene, copy: &Path) -> Result<Originals, SceneError> {
     let path = match &scene.source {
-        SceneSource::File(path) => path,
+        SceneSource::File(path) | SceneSource::FileAs(path, _) => path,
         SceneSource::Builtin(name) => {
             let texts = builtin::source(name).ok_or_else(|| SceneError::UnknownBuiltin {
                 name: name.clone(),
@@ -109,8 +110,11 @@ pub(super) fn obj(scene: &Scene, originals: &Originals, copy: &Path) -> String {
     // Surfaces that emit from the back were turned when they were read, and will be again.
     let mut scene = scene.clone();
     let from_the_back = back_emitters(&scene, originals);
-    for surface in &mut scene.surfaces {
-        if surface.luminaire.is_some_and(|lamp| from_the_back.contains(&lamp)) {
+    let partners = partners(&scene.positions, &scene.surfaces);
+    let lamps: Vec<Option<u32>> = scene.surfaces.iter().map(|s| s.luminaire).collect();
+    let is_turned = |lamp: Option<u32>| lamp.is_some_and(|lamp| from_the_back.contains(&lamp));
+    for ((surface, &lamp), partner) in scene.surfaces.iter_mut().zip(&lamps).zip(&partners) {
+        if is_turned(lamp) || partner.is_some_and(|other| is_turned(lamps[other as usize])) {
             turn(surface, &mut scene.normals);
         }
     }
@@ -120,7 +124,6 @@ pub(super) fn obj(scene: &Scene, originals: &Originals, copy: &Path) -> String {
     let mut numbers =
         [vec![0_u32; scene.positions.len()], vec![0_u32; scene.uvs.len()], vec![0_u32; scene.normals.len()]];
     let mut counts = [0_u32; 3];
-    let metres = scene.unit.metres();
     for corner in scene.surfaces.iter().flat_map(|s| &s.corners) {
         let indices = [Some(corner.position), corner.uv, corner.normal];
         for (kind, index) in indices.into_iter().enumerate() {
@@ -128,7 +131,7 @@ pub(super) fn obj(scene: &Scene, originals: &Originals, copy: &Path) -> String {
             counts[kind] += 1;
             numbers[kind][index] = counts[kind];
             let values = match kind {
-                0 => (scene.positions[index] / metres).to_array().map(number).join(" "),
+                0 => scene.in_file(scene.positions[index]).to_array().map(number).join(" "),
                 1 => scene.uvs[index].to_array().map(number).join(" "),
                 _ => scene.normals[index].to_array().map(number).join(" "),
             };
