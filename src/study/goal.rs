@@ -9,7 +9,7 @@ use super::until::{Known, Outcome, solve_until};
 use crate::accuracy::{AuditSettings, ErrorBudget};
 use crate::effects::EffectChoices;
 use crate::form_factors::{Method, ReceivingPoints};
-use crate::mesh::{PatchTarget, Refinement};
+use crate::mesh::{PatchMesh, PatchTarget, Refinement};
 use crate::scene::{Lighting, Scene};
 use crate::session::{
     Control, PipelineError, Progress, SolveSettings, Solved, available_bytes, effect_costs,
@@ -93,8 +93,8 @@ const QUICK_NOISE: f64 = 0.02;
 pub const CONSOLATION: f64 = 60.0;
 /// Patches never exceed this.
 pub const MOST_PATCHES: f64 = 400_000.0;
-/// A solve that has so many times the patches asked for has as few as the scene allows.
-pub const COARSEST: f64 = 1.5;
+/// A mesh that has so many times the patches asked for, besides small faces, has as few as the scene allows.
+const COARSEST: f64 = 1.5;
 /// Of the memory that is free form factors may take this part.
 const MEMORY_SHARE: f64 = 0.7;
 /// Where the system does not tell how much is free, GB.
@@ -221,8 +221,8 @@ pub fn reach(
         let known = model.measured().last().map(|m| m.pace);
         let pace = known.unwrap_or_else(|| pace(&solved, lines));
         model.learn(Measured::of(&solved, lines, pace, budget.as_ref()));
-        if attempts.len() == 1 && solved.mesh.patches.len() as f64 > COARSEST * next.patches {
-            limits.fewest = solved.mesh.patches.len() as f64;
+        if attempts.len() == 1 {
+            limits.fewest = fewest(&solved.mesh, next.patches);
         }
         if best.as_ref().is_none_or(|(_, _, old)| !is_worse(budget.as_ref(), old.as_ref())) {
             best = Some((solved, settings, budget));
@@ -272,6 +272,12 @@ pub fn reach(
 /// The part of the error asked for that the next solve is to aim at.
 pub fn aim(model: &CostModel) -> f64 {
     AIM[usize::from(model.knows_its_power())]
+}
+
+/// The fewest patches that any mesh of a scene has, as this one tells, for which `asked` were asked for.
+pub fn fewest(mesh: &PatchMesh, asked: f64) -> f64 {
+    let (patches, whole) = (mesh.patches.len() as f64, mesh.statistics.whole_sides as f64);
+    if patches - whole > COARSEST * asked { patches } else { whole.max(1.0) }
 }
 
 /// Whether this is finer than the last solve was. What that had asked for does not matter: a mesh may be

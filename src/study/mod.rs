@@ -18,7 +18,7 @@ pub use audited::{audit, shown};
 pub use chart::chart;
 pub use cost::{CostModel, Fineness, Limits, Measured};
 pub use goal::{
-    Attempt, COARSEST, CONSOLATION, Goal, MOST_PATCHES, News, Reached, TIME_AIM, aim, better_within, memory,
+    Attempt, CONSOLATION, Goal, MOST_PATCHES, News, Reached, TIME_AIM, aim, better_within, fewest, memory,
     reach, settings_of,
 };
 pub use points::{PointErrors, points};
