@@ -9,6 +9,7 @@ use super::sides::{self, Ring};
 use super::tally::Tally;
 use super::types::{Corner, Surface};
 use crate::geometry::{Aabb, Frame, polygon};
+use crate::watch::{Cancelled, Watch};
 use glam::{DVec2, DVec3};
 use std::collections::HashMap;
 
@@ -16,6 +17,9 @@ use std::collections::HashMap;
 const FLATNESS: f64 = 1e-3;
 /// Normals within this cosine (0.1 degrees) of the polygon's own add nothing.
 const SAME_NORMAL: f64 = 1.0 - 1.5e-6;
+
+/// Faces admitted between two looks at whether to go on.
+const WATCHED_FACES: usize = 256;
 
 /// Surfaces, the normals that they point to, and what was repaired.
 #[derive(Debug, Default)]
@@ -27,12 +31,25 @@ pub(super) struct Repaired {
 
 /// Makes surfaces of faces. `positions` are in metres; `emits` tells which materials emit.
 pub(super) fn repair(obj: &Obj, positions: &[DVec3], emits: &[bool]) -> Repaired {
+    Watch::nobody(|watch| repair_watched(obj, positions, emits, watch)).unwrap_or_default()
+}
+
+/// As [`repair`], for somebody who watches and may end it.
+pub(super) fn repair_watched(
+    obj: &Obj,
+    positions: &[DVec3],
+    emits: &[bool],
+    watch: &mut Watch<'_>,
+) -> Result<Repaired, Cancelled> {
     let mut shop = Workshop::new(positions, obj);
-    for face in &obj.faces {
+    for (index, face) in obj.faces.iter().enumerate() {
+        if index % WATCHED_FACES == 0 {
+            watch.done(index as f64 / obj.faces.len() as f64)?;
+        }
         shop.admit(face);
     }
     shop.drop_duplicates(emits);
-    shop.finish()
+    Ok(shop.finish())
 }
 
 /// A position by its bits.
