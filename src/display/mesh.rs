@@ -1,6 +1,5 @@
 use super::vertices::{ShadingVertices, region_normal};
 use super::weights::{PARALLEL_FROM, VertexWeights};
-use crate::geometry::Aabb;
 use crate::mesh::{NO_PATCH, PatchMesh, Side};
 use crate::scene::Scene;
 use glam::{DVec3, Vec2, Vec3};
@@ -60,7 +59,7 @@ struct TexturedPatch {
 pub struct DisplayMesh {
     /// Where the corners' positions count from, metres: far coordinates keep their digits.
     pub origin: DVec3,
-    /// Diagonal of the box around everything, metres.
+    /// Diagonal of the box around the part that is looked at, metres.
     pub size: f64,
     /// Corners of the lit sides first, then those of sides without a patch.
     pub corners: Vec<DisplayCorner>,
@@ -92,7 +91,7 @@ impl DisplayMesh {
     /// With `smooth`, vertices of neighbouring regions of one object and material are joined where
     /// the normals that the model gives agree; otherwise every region is shaded on its own.
     pub fn build(mesh: &PatchMesh, scene: &Scene, smooth: bool) -> Self {
-        let bounds = Aabb::around(mesh.vertices.iter().copied());
+        let bounds = scene.extent().main;
         let mut built = Self {
             origin: bounds.centre(),
             size: bounds.diagonal(),

@@ -1,7 +1,7 @@
 //! The hemicube of 1985: patches projected onto five faces, an item buffer with depth, and a table
 //! of delta form factors.
 
-use super::occluders::THICKNESS;
+use super::occluders::{THICKNESS, Viewer};
 use super::rays::without_dark;
 use super::row::RowBuffer;
 use crate::geometry::Frame;
@@ -80,13 +80,14 @@ impl Hemicube {
     }
 
     /// Adds the form factors from `point` to every patch to `row`, which is empty. Cells that show a dark
-    /// side count for nothing: what is lit sees none.
+    /// side count for nothing to a lit surface, which sees none.
     pub fn gather(
         &self,
         sampler: &mut HemicubeSampler,
         mesh: &PatchMesh,
         point: DVec3,
         frame: &Frame,
+        viewer: Viewer,
         row: &mut RowBuffer,
     ) {
         let mut dark = 0.0;
@@ -100,7 +101,9 @@ impl Hemicube {
                 }
             }
         }
-        row.scale(without_dark(dark));
+        if viewer == Viewer::LitSurface {
+            row.scale(without_dark(dark));
+        }
     }
 
     /// Draws what `point` sees through one face into the sampler's item buffer, row by row.

@@ -1,5 +1,6 @@
 //! Form factors by rays with a cosine distribution: every ray carries the same weight.
 
+use super::occluders::Viewer;
 use super::row::RowBuffer;
 use crate::geometry::{Bvh, Frame, Ray};
 use crate::mesh::{NO_PATCH, PatchMesh, cosine_direction};
@@ -120,8 +121,17 @@ impl RayScene {
     }
 
     /// Adds the form factors from `point` to every patch to `row`, which is empty; `turn` in 0..1 turns
-    /// the pattern of `count` rays. Rays that meet a dark side count for nothing: what is lit sees none.
-    pub fn gather(&self, count: u32, point: DVec3, frame: &Frame, turn: f64, row: &mut RowBuffer) {
+    /// the pattern of `count` rays. Rays that meet a dark side count for nothing to a lit surface, which
+    /// sees none.
+    pub fn gather(
+        &self,
+        count: u32,
+        point: DVec3,
+        frame: &Frame,
+        turn: f64,
+        viewer: Viewer,
+        row: &mut RowBuffer,
+    ) {
         let each = 1.0 / f64::from(count.max(1));
         let mut dark = 0.0;
         for k in 0..count {
@@ -132,7 +142,9 @@ impl RayScene {
                 Some((patch, _)) => row.add(patch, each),
             }
         }
-        row.scale(without_dark(dark));
+        if viewer == Viewer::LitSurface {
+            row.scale(without_dark(dark));
+        }
     }
 }
 

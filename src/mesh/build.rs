@@ -91,7 +91,7 @@ const PATCH_LIMIT: usize = 2_000_000;
 /// Splits the surfaces of a scene into patches.
 pub fn build(scene: &Scene, settings: &MeshSettings) -> Result<PatchMesh, MeshError> {
     // 1. Join coplanar neighbours, and find the sides that light can reach.
-    let size = scene.bounds().diagonal();
+    let size = scene.extent().scale;
     let as_given = settings.target == PatchTarget::AsGiven;
     let (outlines, dropped) = regions::join(scene, size, as_given);
     if outlines.is_empty() {

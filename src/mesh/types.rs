@@ -150,7 +150,7 @@ pub struct PatchMesh {
     /// For each region the segments, in its plane coordinates, along which other surfaces stand on
     /// it: the light may jump there. Empty where regions were not cut along them.
     pub contacts: Vec<Vec<[DVec2; 2]>>,
-    /// Diagonal of the box around everything, metres.
+    /// The length that tolerances are shares of, metres: [`crate::scene::Extent::scale`].
     pub size: f64,
     /// Counts and shapes.
     pub statistics: MeshStatistics,

@@ -37,14 +37,13 @@ pub fn sidecar_text(
     sidecar.up = Some(if scene.up == UpAxis::Z { UpKey::Z } else { UpKey::Y });
     sidecar.patch_size = scene.patch_size.map(unplaced);
     sidecar.start = scene.views.get(scene.start_view).map(|view| unplaced(view.name.clone()));
-    let units = 1.0 / scene.unit.metres();
     sidecar.views = scene
         .views
         .iter()
         .map(|view| ViewEntry {
             name: unplaced(view.name.clone()),
-            eye: (view.eye * units).to_array(),
-            target: (view.target * units).to_array(),
+            eye: scene.in_file(view.eye).to_array(),
+            target: scene.in_file(view.target).to_array(),
             fov: view.fov_y_deg,
         })
         .collect();

@@ -37,7 +37,7 @@ impl Plane {
 /// A scene with what all searches need of it.
 pub(super) struct Survey<'a> {
     pub(super) scene: &'a Scene,
-    /// Of the box around everything, metres.
+    /// What tolerances are shares of, metres: the diagonal of the part that is looked at, or less.
     pub(super) diagonal: f64,
     pub(super) planes: Vec<Plane>,
     pub(super) bvh: Bvh,
@@ -63,7 +63,7 @@ impl<'a> Survey<'a> {
         }
         Self {
             scene,
-            diagonal: scene.bounds().diagonal(),
+            diagonal: scene.extent().scale,
             planes: outlines.iter().map(|outline| Plane::of(outline)).collect(),
             bvh: Bvh::build(&triangles),
             owners,

@@ -24,7 +24,7 @@ pub(super) struct Originals {
 /// Reads what a copy takes over.
 pub(super) fn originals(scene: &Scene, copy: &Path) -> Result<Originals, SceneError> {
     let path = match &scene.source {
-        SceneSource::File(path) => path,
+        SceneSource::File(path) | SceneSource::FileAs(path, _) => path,
         SceneSource::Builtin(name) => {
             let texts = builtin::source(name).ok_or_else(|| SceneError::UnknownBuiltin {
                 name: name.clone(),
@@ -124,7 +124,6 @@ pub(super) fn obj(scene: &Scene, originals: &Originals, copy: &Path) -> String {
     let mut numbers =
         [vec![0_u32; scene.positions.len()], vec![0_u32; scene.uvs.len()], vec![0_u32; scene.normals.len()]];
     let mut counts = [0_u32; 3];
-    let metres = scene.unit.metres();
     for corner in scene.surfaces.iter().flat_map(|s| &s.corners) {
         let indices = [Some(corner.position), corner.uv, corner.normal];
         for (kind, index) in indices.into_iter().enumerate() {
@@ -132,7 +131,7 @@ pub(super) fn obj(scene: &Scene, originals: &Originals, copy: &Path) -> String {
             counts[kind] += 1;
             numbers[kind][index] = counts[kind];
             let values = match kind {
-                0 => (scene.positions[index] / metres).to_array().map(number).join(" "),
+                0 => scene.in_file(scene.positions[index]).to_array().map(number).join(" "),
                 1 => scene.uvs[index].to_array().map(number).join(" "),
                 _ => scene.normals[index].to_array().map(number).join(" "),
             };
