@@ -1,4 +1,5 @@
 use super::failure::Failure;
+use super::lamps::LampOptions;
 use super::report::severity_name;
 use super::text;
 use crate::mesh::{self, MeshSettings};
@@ -18,6 +19,8 @@ pub(super) struct Arguments {
     /// An OBJ file, or builtin:NAME
     #[arg(value_name = "SCENE")]
     scene: String,
+    #[command(flatten)]
+    lamps: LampOptions,
     /// Write a mended copy, with its MTL and sidecar beside it; the model itself stays as it is
     #[arg(long, value_name = "OUT.obj")]
     repair: Option<PathBuf>,
@@ -25,6 +28,7 @@ pub(super) struct Arguments {
 
 pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
     let scene = scene::load(&SceneSource::from(arguments.scene.as_str()))?;
+    let scene = arguments.lamps.add_to(scene)?;
     let mut findings = scene.findings.clone();
     let examination = scene::examine(&scene);
     findings.extend(examination.findings);

@@ -1,4 +1,5 @@
 use super::failure::Failure;
+use super::lamps::{self, LampOptions};
 use super::options::{EffectOptions, PatchOptions};
 use super::{solve, text};
 use crate::effects::{EffectPlan, EffectState};
@@ -12,6 +13,8 @@ pub(super) struct Arguments {
     #[arg(value_name = "SCENE")]
     scene: String,
     #[command(flatten)]
+    lamps: LampOptions,
+    #[command(flatten)]
     patches: PatchOptions,
     #[command(flatten)]
     effects: EffectOptions,
@@ -19,7 +22,8 @@ pub(super) struct Arguments {
 
 pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
     let effects = arguments.effects.choices()?;
-    let scene = solve::load(&arguments.scene)?;
+    let scene = solve::load(&arguments.scene, arguments.lamps)?;
+    lamps::tell_darkness(&scene, &scene.lighting());
     let patches = arguments.patches.target(scene.unit);
     let settings = SolveSettings { patches, effects, ..SolveSettings::default() };
     let prepared = session::prepare(scene, &settings)?;

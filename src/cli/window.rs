@@ -1,4 +1,5 @@
 use super::failure::Failure;
+use super::lamps::{self, LampOptions};
 use super::options::SolveOptions;
 use super::picture::{self, Studio};
 use super::{solve, text};
@@ -19,6 +20,8 @@ pub(super) struct Arguments {
     scene: Option<String>,
     #[command(flatten)]
     options: SolveOptions,
+    #[command(flatten)]
+    lamps: LampOptions,
 }
 
 /// Opens the window; where there can be none, solves and writes a picture instead.
@@ -32,14 +35,14 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
         Some(_) => scene::load(&source)?.unit,
         None => LengthUnit::Metre,
     };
-    match open_window(source, arguments.options.settings(unit)?) {
+    match open_window(source, arguments.options.settings(unit)?, arguments.lamps.ceiling_lamps) {
         Ok(()) => Ok(()),
         Err(UiError::NoDisplay(reason)) => {
             text::complain(&format!(
                 "no window can be opened here ({}), so the scene is solved without one",
                 plain(&reason)
             ));
-            headless(name, &arguments.options)
+            headless(name, arguments)
         }
         Err(other) => Err(Failure::work(other)),
     }
@@ -57,14 +60,15 @@ fn refuse_what_is_not_there(source: &SceneSource) -> Result<(), Failure> {
     }
 }
 
-fn headless(name: &str, options: &SolveOptions) -> Result<(), Failure> {
+fn headless(name: &str, arguments: &Arguments) -> Result<(), Failure> {
     let start = Instant::now();
-    let scene = solve::load(name)?;
-    let settings = options.settings(scene.unit)?;
+    let scene = solve::load(name, arguments.lamps)?;
+    let settings = arguments.options.settings(scene.unit)?;
     let view = solve::start_view(&scene)?;
     let path = picture_path(&scene.name);
     atomic::probe(&path)?;
     let lighting = scene.lighting();
+    lamps::tell_darkness(&scene, &lighting);
     let (solved, light) = solve::solve(scene, &settings, &lighting)?;
     let studio = Studio::new(&solved, &lighting, &light);
     studio.write_view(&path, StillKind::Png, &view, picture::DEFAULT_SIZE)?;

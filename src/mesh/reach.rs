@@ -200,8 +200,9 @@ impl<'a> Search<'a> {
             return Reach::Lit;
         }
         if self.lamps.is_empty() {
-            // Nothing is lit; every front is kept, so that there is something to see.
-            return if side == Side::Front { Reach::Lit } else { Reach::Black };
+            // Nothing is lit; every side is kept, so that the model is seen whole, however it is turned.
+            let is_black = side == Side::Back && sides == Sides::Front;
+            return if is_black { Reach::Black } else { Reach::Lit };
         }
         let starts: Vec<DVec3> = sample_points(outline, 12).into_iter().map(|p| outline.world(p)).collect();
         let seed = 2 * index as u64 + side as u64;

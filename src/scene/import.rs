@@ -6,7 +6,7 @@ use super::luminaires::{Parts, gather};
 use super::repair::repair;
 use super::sidecar::{Sidecar, Source};
 use super::types::{Scene, SceneSource};
-use super::{builtin, mtl, names, obj, views};
+use super::{builtin, mtl, names, obj, placed, views};
 use crate::geometry::Aabb;
 use glam::DVec3;
 use std::io;
@@ -156,6 +156,11 @@ fn build(input: Input<'_>) -> Result<Scene, SceneError> {
     let mut normals = repaired.normals;
     let luminaires = gather(&parts, &mut surfaces, &mut normals, sidecar.as_ref().zip(sidecar_source))?;
 
+    let placed = match (&sidecar, sidecar_source) {
+        (Some(sidecar), Some(source)) => placed::read(&sidecar.lamps, (unit, up), &luminaires, source)?,
+        _ => Vec::new(),
+    };
+
     let bookmarks = match (&sidecar, sidecar_source) {
         (Some(sidecar), Some(source)) => sidecar.views(source)?,
         _ => Vec::new(),
@@ -181,12 +186,14 @@ fn build(input: Input<'_>) -> Result<Scene, SceneError> {
         materials: materials.list,
         textures: textures.list,
         luminaires,
+        placed: Vec::new(),
         views,
         start_view,
         patch_size: sidecar.and_then(|s| s.patch_size).map(|size| size.into_inner()),
         findings,
     };
     scene.findings.extend(absurd_size(&scene));
+    scene.place(placed);
     Ok(scene)
 }
 

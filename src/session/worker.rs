@@ -5,15 +5,16 @@ use super::pipeline::{
 };
 use super::recompute::{Recompute, same_geometry};
 use super::threads;
+use super::wanted::{Edits, Wanted};
 use crate::effects::EffectPlan;
 use crate::form_factors::{AssembleReport, FormFactors, Row, RowComputer};
 use crate::mesh::PatchMesh;
-use crate::scene::{self, Scene, SceneSource};
+use crate::scene::{self, PlacedLamp, Scene, SceneSource};
 use crate::solver::{LightBases, SweepReport};
 use rayon::ThreadPool;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError, Weak};
+use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
@@ -45,6 +46,8 @@ pub struct Snapshot {
     pub rows: (usize, usize),
     /// The present scene; stays when opening another fails.
     pub scene: Option<Arc<Scene>>,
+    /// The same as it was read, without what [`Session::set_lamps`] has changed.
+    pub read: Option<Arc<Scene>>,
     /// Its patches.
     pub mesh: Option<Arc<PatchMesh>>,
     /// What is simulated.
@@ -90,31 +93,6 @@ impl Snapshot {
             sweeps: self.sweeps.to_vec(),
             timings: self.timings,
         })
-    }
-}
-
-/// All that the user has asked for; the newest state wins, and what was refused is wanted no more.
-#[derive(Clone, Debug, Default)]
-pub(super) struct Wanted {
-    pub(super) source: Option<SceneSource>,
-    /// Counts the requests to open, so that the same file can be read again.
-    pub(super) opened: u64,
-    pub(super) settings: SolveSettings,
-    edits: Edits,
-    /// Counts all requests.
-    generation: u64,
-}
-
-/// Reflectances and the scene whose materials they are of: an index means nothing in another.
-#[derive(Clone, Debug, Default)]
-struct Edits {
-    scene: Weak<Scene>,
-    materials: Vec<MaterialEdit>,
-}
-
-impl Edits {
-    fn of(&self, scene: &Arc<Scene>) -> &[MaterialEdit] {
-        if Weak::as_ptr(&self.scene) == Arc::as_ptr(scene) { &self.materials } else { &[] }
     }
 }
 
@@ -187,6 +165,7 @@ impl Session {
         self.request(|wanted| {
             wanted.source = Some(source);
             wanted.opened += 1;
+            wanted.unlit = false;
         });
     }
 
@@ -203,7 +182,13 @@ impl Session {
     /// Solves again over the stored rows with these reflectances of `scene`, all that differ from its own.
     /// They hold for as long as that scene is the present one, and for no other.
     pub fn set_materials(&self, scene: &Arc<Scene>, materials: Vec<MaterialEdit>) {
-        self.request(|wanted| wanted.edits = Edits { scene: Arc::downgrade(scene), materials });
+        self.request(|wanted| wanted.edits = Edits::new(scene, materials));
+    }
+
+    /// Places these lamps in the scene as it was `read`, instead of those that its file places, and solves it.
+    /// They hold for as long as that reading is the present one.
+    pub fn set_lamps(&self, read: &Arc<Scene>, lamps: Vec<PlacedLamp>) {
+        self.request(|wanted| wanted.lamps = Some((Arc::downgrade(read), lamps)));
     }
 
     /// Lets the solve rest where it is.
@@ -212,10 +197,12 @@ impl Session {
         self.wake();
     }
 
-    /// Goes on from there; after [`Self::stop`] it starts again.
+    /// Goes on from there; after [`Self::stop`] it starts again, and in a scene without lamps it starts after all.
     pub fn resume(&self) {
         self.shared.paused.store(false, Ordering::Release);
-        if self.shared.stopped.load(Ordering::Acquire) {
+        if self.latest().stage == Stage::Unlit {
+            self.request(|wanted| wanted.unlit = true);
+        } else if self.shared.stopped.load(Ordering::Acquire) {
             self.request(|_| {});
         } else {
             self.wake();
@@ -266,6 +253,8 @@ pub(super) struct State {
     pub(super) settings: SolveSettings,
     edits: Vec<MaterialEdit>,
     pub(super) scene: Option<Arc<Scene>>,
+    /// The same as it was read.
+    pub(super) read: Option<Arc<Scene>>,
     pub(super) prepared: Option<Prepared>,
     /// Rows of a solve that was interrupted, a patch each.
     pub(super) rows: Vec<Option<Row>>,
@@ -314,7 +303,7 @@ impl Worker<'_> {
                         self.snapshot.last_change = done.sentence(&wanted, clock.elapsed().as_secs_f64());
                     }
                     self.snapshot.error = self.refused.take();
-                    self.settle(Stage::Converged);
+                    self.settle(if done.unlit { Stage::Unlit } else { Stage::Converged });
                 }
                 Ok(Err(Failure::Cancelled)) => {
                     if self.shared.stopped.load(Ordering::Acquire) {
@@ -380,6 +369,12 @@ impl Worker<'_> {
         let system = system(&prepared, &reflectance);
         self.state.edits = edits;
 
+        if prepared.scene.luminaires.is_empty() && !wanted.unlit {
+            todo.unlit = true;
+            self.snapshot.rows = (0, prepared.mesh.patches.len());
+            (self.snapshot.fraction, self.snapshot.seconds_left) = (1.0, None);
+            return Ok(todo);
+        }
         if self.state.form_factors.is_none() {
             todo.rows = prepared.mesh.patches.len() - self.state.rows.iter().flatten().count();
             let standing = self.state.bases.as_deref().cloned();
@@ -443,7 +438,12 @@ impl Worker<'_> {
             self.check_cancel()?;
             self.prepare(scene, wanted, todo, Timings { load, ..Timings::default() })
         } else if todo.mesh {
-            let scene = self.state.scene.clone().ok_or(Failure::Cancelled)?;
+            let read = self.state.read.clone().ok_or(Failure::Cancelled)?;
+            let scene = match wanted.lamps_of(&read).filter(|_| todo.lamps) {
+                Some(lamps) if *lamps != read.placed => Arc::new(read.with_placed(lamps.to_vec())),
+                Some(_) => read,
+                None => self.state.scene.clone().ok_or(Failure::Cancelled)?,
+            };
             self.prepare(scene, wanted, todo, self.snapshot.timings)
         } else {
             Ok(())
@@ -460,6 +460,9 @@ impl Worker<'_> {
                 newest.source.clone_from(&self.state.source);
             }
         } else {
+            if let (true, Some(read), Some(scene)) = (refused.lamps, &self.state.read, &self.state.scene) {
+                newest.return_to_lamps(wanted, read, scene);
+            }
             wanted.settings.clone_from(&self.state.settings);
             if newest.generation == wanted.generation {
                 newest.settings.clone_from(&self.state.settings);
@@ -497,6 +500,9 @@ impl Worker<'_> {
         });
         self.state.bases = light.map(Arc::new);
         self.state.scene = Some(scene.clone());
+        if todo.scene {
+            (self.state.read, self.snapshot.read) = (Some(scene.clone()), Some(scene.clone()));
+        }
         self.snapshot.timings = timings;
         self.snapshot.timings.mesh = prepared.timings.mesh;
         self.snapshot.timings.plan = prepared.timings.plan;

@@ -104,6 +104,13 @@ pub struct Power {
 }
 
 impl PatchLight {
+    /// What patches of these reflectances make of an irradiance, none of them emitting.
+    pub fn reflected(irradiance: Vec<[f32; 3]>, reflectance: &[[f32; 3]]) -> Self {
+        let lit = irradiance.iter().zip(reflectance);
+        let radiosity = lit.map(|(h, rho)| std::array::from_fn(|band| rho[band] * h[band])).collect();
+        Self { irradiance, radiosity }
+    }
+
     /// The power of this light: with E = B - rho H the lamps emit the sum of A E and the surfaces absorb that
     /// of A (1 - rho) H.
     pub fn power(&self, mesh: &PatchMesh, reflectance: &[[f32; 3]]) -> Power {

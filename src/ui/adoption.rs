@@ -3,6 +3,7 @@
 
 use super::app::App;
 use super::camera_control::CameraControl;
+use super::lampless::carry_placed;
 use super::state::{DisplaySettings, Edits};
 use crate::scene::{Scene, SceneSource, View};
 use std::sync::Arc;
@@ -20,6 +21,10 @@ impl App {
         let scene = Arc::clone(&prepared.scene);
         let before = self.scene_shown.replace(Arc::clone(&scene));
         if before.as_ref().is_some_and(|before| Arc::ptr_eq(before, &scene)) {
+            return;
+        }
+        let read_before = self.lampless.read().cloned();
+        if self.goes_on_as(&scene) {
             return;
         }
         self.files.watch(Some(&scene.source));
@@ -41,6 +46,10 @@ impl App {
             }
             if is_in_place(&before, &scene) {
                 carry_views(&before, &views, &mut self.views);
+                let read = read_before.as_ref().unwrap_or(&before);
+                if carry_placed(read, &edits, &scene, &mut self.edits) {
+                    self.send_placed();
+                }
                 if self.camera.is_some() {
                     return;
                 }
@@ -60,6 +69,7 @@ impl App {
             )
         });
         self.inherit();
+        self.add_lamps_at_start();
     }
 }
 

@@ -9,6 +9,7 @@ use super::exposure::AutoExposure;
 use super::files::Files;
 use super::frame_clock::FrameClock;
 use super::history::History;
+use super::lampless::Lampless;
 use super::microscope::Microscope;
 use super::overlay::Notice;
 use super::panels::{self, Commands, Model};
@@ -103,6 +104,7 @@ pub struct App {
     /// The tour whose ways were found last.
     pub(super) tours: Background<Plan, Option<Tour>>,
     pub(super) clock: FrameClock,
+    pub(super) lampless: Lampless,
     pub(super) reclaim: Reclaim,
     /// Where an orbit started: the point under the cursor.
     pub(super) pivot: Option<glam::DVec3>,
@@ -192,6 +194,7 @@ impl App {
             touring: None,
             tours: Background::default(),
             clock,
+            lampless: Lampless::default(),
             reclaim: Reclaim::default(),
             pivot: None,
             stale: Stale::default(),
@@ -370,6 +373,7 @@ impl App {
             last_change: &self.last_change,
             auditor: &self.auditor,
             doctor: &self.doctor,
+            is_adding_lamps: self.lampless.is_searching(),
             can: [self.history.can_undo(), self.history.can_redo()],
             frame_secs: self.frame_secs,
             memory: self.memory.1,

@@ -43,9 +43,11 @@ const TOLD: f32 = 2.0 * 17.0;
 /// The error in one number, or why there is none yet, and the switch.
 fn headline(ui: &mut egui::Ui, model: &Model<'_>, out: &mut Commands) {
     let auditor = model.auditor;
+    let has_no_lamps = model.scene.is_some_and(|scene| scene.luminaires.is_empty());
     ui.horizontal(|ui| {
         let word = match (&auditor.budget, model.snapshot.stage) {
             (Some(budget), _) => format!("Error {} RMS", percent(budget.total.error)),
+            (None, Stage::Converged | Stage::Unlit) if has_no_lamps => "No light to check".to_owned(),
             (None, Stage::Converged) if !auditor.on => "Not checked".to_owned(),
             (None, Stage::Converged) if auditor.is_dark => "No light to check".to_owned(),
             (None, Stage::Converged) => "Checking by rays".to_owned(),
