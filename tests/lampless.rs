@@ -1,5 +1,7 @@
 //! Scenes without lamps: shown in even light, nothing solved, and lamps hung where they belong.
 
+mod cli_support;
+
 use glam::DVec3;
 use lumenwalk::geometry::{Bvh, Ray};
 use lumenwalk::mesh::PatchTarget;
@@ -282,4 +284,68 @@ fn placed_lamps_are_kept_by_the_sidecar() {
     assert_eq!(mended.obj.matches("\nf ").count(), 6, "{}", mended.obj);
     let copy = from_text("copy", &mended.obj, "", mended.sidecar.as_deref()).unwrap();
     assert_eq!(copy.luminaires.len(), 1);
+}
+
+/// The room of the command line's tests without its lamp.
+fn dark_place() -> cli_support::Workplace {
+    let place = cli_support::Workplace::with_room(0.5);
+    let obj = place.text("room.obj");
+    place.put("room.obj", obj.split("o desk_lamp").next().unwrap());
+    let toml = place.text("room.toml");
+    place.put("room.toml", toml.split("[[luminaire]]").next().unwrap());
+    place
+}
+
+#[test]
+fn the_command_line_says_at_once_that_there_is_no_lamp_and_shows_the_model() {
+    let place = dark_place();
+    let arguments = ["solve", "room.obj", "--patches", "300", "--size", "64x40"];
+    let outputs = ["--image", "a.png", "--report", "r.json", "--patch-table", "t.csv", "--audit"];
+    let output = place.run(&[&arguments[..], &outputs[..]].concat());
+    let complaint = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert_eq!(output.status.code(), Some(0), "{complaint}");
+    assert!(complaint.contains("room has no lamps") && complaint.contains("--ceiling-lamps"), "{complaint}");
+    let told = String::from_utf8_lossy(&output.stdout).into_owned();
+    assert!(told.contains("no lamps, so nothing was solved") && !told.contains("sweep"), "{told}");
+    assert!(place.text("r.json").contains("\"entries\": 0"), "no form factor: {}", place.text("r.json"));
+    let table = place.text("t.csv");
+    assert!(table.lines().count() > 100 && table.lines().skip(1).all(|line| line.contains(",0")), "{table}");
+
+    // The picture is legible, and its faces differ.
+    let image = image::open(place.path("a.png")).unwrap().to_rgb8().into_raw();
+    let mean = image.iter().map(|&p| f64::from(p)).sum::<f64>() / image.len() as f64;
+    assert!(mean > 80.0, "{mean}");
+    let (low, high) = (image.iter().min().unwrap(), image.iter().max().unwrap());
+    assert!(high - low > 40, "{low} to {high}");
+}
+
+#[test]
+fn ceiling_lamps_are_added_by_an_option() {
+    let place = dark_place();
+    let arguments = ["solve", "room.obj", "--ceiling-lamps", "--patches", "300", "--report", "r.json"];
+    let output = place.run(&arguments);
+    let complaint = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert_eq!(output.status.code(), Some(0), "{complaint}");
+    assert!(complaint.contains("1 lamp added to room") && !complaint.contains("no lamps"), "{complaint}");
+    assert!(place.text("r.json").contains("Ceiling lamp"));
+    let told = String::from_utf8_lossy(&output.stdout).into_owned();
+    assert!(told.contains("1 lamp,") && told.contains("sweep"), "{told}");
+    // The files of the model are left alone.
+    assert!(!place.text("room.toml").contains("lamp"));
+
+    for command in ["check", "plan"] {
+        let told = place.run(&[command, "room.obj", "--ceiling-lamps"]);
+        assert_eq!(told.status.code(), Some(0));
+        assert!(!String::from_utf8_lossy(&told.stdout).contains("has no lamp"));
+    }
+    let told = place.succeed(&["check", "room.obj"]);
+    assert!(told.contains("this scene has no lamp") && told.contains("--ceiling-lamps"), "{told}");
+    let sentence = place.fail(2, &["accuracy", "room.obj", "--out", "."]);
+    assert!(sentence.contains("has no lamps") && sentence.contains("--ceiling-lamps"), "{sentence}");
+
+    // All off is dark as it was meant, and said.
+    let off = [&arguments[..5], &["--off", "Ceiling lamp"]].concat();
+    let output = place.run(&off);
+    let complaint = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert!(output.status.success() && complaint.contains("all lamps of room are off"), "{complaint}");
 }

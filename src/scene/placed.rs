@@ -126,6 +126,11 @@ impl Scene {
         self.luminaires.len() - self.placed.len()
     }
 
+    /// Materials that the model itself has: all but that of placed lamps, the last one.
+    pub fn own_materials(&self) -> &[Material] {
+        &self.materials[..self.materials.len() - usize::from(!self.placed.is_empty())]
+    }
+
     /// Undoes [`Self::place`]: everything of it stands at the ends of the lists.
     fn take_away_placed(&mut self) {
         let count = std::mem::take(&mut self.placed).len();
@@ -389,7 +394,7 @@ mod tests {
         assert_eq!(text.matches("[[luminaire]]").count(), 1, "{text}");
         let clash = LAMP.replace("\"Panel\"", "\"Glow\"");
         let message = from_text("t", &obj, &mtl, Some(&clash)).unwrap_err().to_string();
-        assert!(message.contains("t.toml:6") && message.contains("there twice"), "{message}");
+        assert!(message.contains("t.toml, line 6") && message.contains("there twice"), "{message}");
     }
 
     #[test]
@@ -404,10 +409,10 @@ mod tests {
             ("position = [200, 250, 250]", "position = [nan, 0, 0]", "position"),
         ] {
             let message = scene(&LAMP.replace(from, to)).unwrap_err().to_string();
-            assert!(message.contains("t.toml:6") && message.contains(what), "{to}: {message}");
+            assert!(message.contains("t.toml, line 6") && message.contains(what), "{to}: {message}");
         }
         let message = scene(&LAMP.replace("cct", "kelvins")).unwrap_err().to_string();
-        assert!(message.contains("unknown key 'kelvins'") && message.contains("t.toml:10"), "{message}");
+        assert!(message.contains("unknown key 'kelvins'") && message.contains("t.toml, line 10"), "{message}");
         let message = scene(&LAMP.replace("lumens = 3600\n", "")).unwrap_err().to_string();
         assert!(message.contains("lumens"), "{message}");
     }

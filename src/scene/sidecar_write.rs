@@ -73,10 +73,7 @@ pub fn sidecar_text(
     let placed = scene.placed.iter().zip(lighting.lamps.iter().skip(own));
     sidecar.lamps = placed.map(|(lamp, state)| LampEntry::of(&lamp.starting_as(state), scene.unit)).collect();
 
-    // The material of placed lamps, the last one, is in no file.
-    let own_materials = scene.materials.len() - usize::from(!scene.placed.is_empty());
-    let own_materials = &scene.materials[..own_materials];
-    for material in repainted.iter().filter_map(|&index| own_materials.get(index as usize)) {
+    for material in repainted.iter().filter_map(|&index| scene.own_materials().get(index as usize)) {
         let reflectance = Some(material.reflectance);
         let mut entries = sidecar.materials.iter_mut();
         if let Some(entry) = entries.find(|entry| *entry.name.get_ref() == material.name) {

@@ -12,6 +12,9 @@ pub(super) struct Wanted {
     /// Counts the requests to open, so that the same file can be read again.
     pub(super) opened: u64,
     pub(super) settings: SolveSettings,
+    /// While another scene is on its way: the source before it and its settings, in case that scene is
+    /// refused.
+    held: Option<(Option<SceneSource>, SolveSettings)>,
     pub(super) edits: Edits,
     /// Placed lamps, and the scene as read that they are for.
     pub(super) lamps: Option<(Weak<Scene>, Vec<PlacedLamp>)>,
@@ -22,6 +25,41 @@ pub(super) struct Wanted {
 }
 
 impl Wanted {
+    /// Asks for a scene under the settings as they are, or for the one again that another was to replace.
+    pub(super) fn open(&mut self, source: SceneSource) {
+        let source = Some(source);
+        if self.held.as_ref().is_some_and(|(before, _)| *before == source) {
+            self.return_to(source);
+        } else {
+            self.source = source;
+        }
+        self.opened += 1;
+        self.unlit = false;
+    }
+
+    /// Asks for a scene with settings of its own.
+    pub(super) fn open_with(&mut self, source: SceneSource, settings: SolveSettings) {
+        let before = (self.source.replace(source), std::mem::replace(&mut self.settings, settings));
+        self.held.get_or_insert(before);
+        self.opened += 1;
+        self.unlit = false;
+    }
+
+    /// The request to open of this number has been answered.
+    pub(super) fn has_come(&mut self, opened: u64) {
+        if self.opened == opened {
+            self.held = None;
+        }
+    }
+
+    /// Goes back to the scene before the one that was refused, with the settings that it had.
+    pub(super) fn return_to(&mut self, source: Option<SceneSource>) {
+        self.source = source;
+        if let Some((_, settings)) = self.held.take() {
+            self.settings = settings;
+        }
+    }
+
     /// Goes back to the lamps that stand in the present `scene`; so does a newer wish that is no other one.
     pub(super) fn return_to_lamps(&mut self, refused: &mut Self, read: &Arc<Scene>, scene: &Scene) {
         refused.lamps = Some((Arc::downgrade(read), scene.placed.clone()));

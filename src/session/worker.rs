@@ -162,11 +162,12 @@ impl Session {
 
     /// Opens a scene and solves it; replaces whatever runs. The present scene stays if it fails.
     pub fn open(&self, source: SceneSource) {
-        self.request(|wanted| {
-            wanted.source = Some(source);
-            wanted.opened += 1;
-            wanted.unlit = false;
-        });
+        self.request(|wanted| wanted.open(source));
+    }
+
+    /// The same with settings of its own. If it fails, those of the present scene stay in force.
+    pub fn open_with(&self, source: SceneSource, settings: SolveSettings) {
+        self.request(|wanted| wanted.open_with(source, settings));
     }
 
     /// Solves the present scene again with these settings, reusing what they leave unchanged.
@@ -293,8 +294,7 @@ impl Worker<'_> {
                 return;
             }
             answered = wanted.generation;
-            let clock = Instant::now();
-            let pool = self.pool;
+            let (clock, pool) = (Instant::now(), self.pool);
             self.refused = None;
             let outcome = catch_unwind(AssertUnwindSafe(|| pool.install(|| self.answer(&wanted))));
             match outcome {
@@ -353,10 +353,14 @@ impl Worker<'_> {
             return Err(Failure::Refused(stage));
         }
         self.settled = None;
-        if todo.scene && wanted.source != self.state.source {
-            // It was found in another scene, and its mesh had nothing to do with it.
-            wanted.settings.refinement = None;
-            locked(&self.shared.wanted).settings.refinement = None;
+        if todo.scene {
+            let mut newest = locked(&self.shared.wanted);
+            newest.has_come(wanted.opened);
+            if wanted.source != self.state.source {
+                // It was found in another scene, and its mesh had nothing to do with it.
+                wanted.settings.refinement = None;
+                newest.settings.refinement = None;
+            }
         }
         (self.state.source, self.state.opened) = (wanted.source, wanted.opened);
         self.snapshot.settings.clone_from(&wanted.settings);
@@ -408,8 +412,7 @@ impl Worker<'_> {
         self.state.bases = Some(bases.clone());
         self.snapshot.bases = Some(bases);
         self.snapshot.sweeps = Arc::new(sweeps);
-        self.snapshot.fraction = 1.0;
-        self.snapshot.seconds_left = None;
+        (self.snapshot.fraction, self.snapshot.seconds_left) = (1.0, None);
         Ok(todo)
     }
 
@@ -455,9 +458,9 @@ impl Worker<'_> {
         let mut newest = locked(&self.shared.wanted);
         if refused.scene {
             self.state.opened = wanted.opened;
-            wanted.source.clone_from(&self.state.source);
+            wanted.return_to(self.state.source.clone());
             if newest.opened == wanted.opened {
-                newest.source.clone_from(&self.state.source);
+                newest.return_to(self.state.source.clone());
             }
         } else {
             if let (true, Some(read), Some(scene)) = (refused.lamps, &self.state.read, &self.state.scene) {
@@ -503,9 +506,8 @@ impl Worker<'_> {
         if todo.scene {
             (self.state.read, self.snapshot.read) = (Some(scene.clone()), Some(scene.clone()));
         }
-        self.snapshot.timings = timings;
-        self.snapshot.timings.mesh = prepared.timings.mesh;
-        self.snapshot.timings.plan = prepared.timings.plan;
+        let Timings { mesh, plan, .. } = prepared.timings;
+        self.snapshot.timings = Timings { mesh, plan, ..timings };
         self.snapshot.scene = Some(scene);
         self.snapshot.mesh = Some(prepared.mesh.clone());
         self.snapshot.plan = Some(prepared.plan.clone());

@@ -2,9 +2,11 @@
 //! was read again, with what the user had done to it.
 
 use super::app::App;
+use super::auditor;
 use super::camera_control::CameraControl;
 use super::lampless::carry_placed;
-use super::state::{DisplaySettings, Edits};
+use super::leaving::Work;
+use super::state::{DisplaySettings, Edits, Visit};
 use crate::scene::{Scene, SceneSource, View};
 use std::sync::Arc;
 
@@ -28,17 +30,29 @@ impl App {
             return;
         }
         self.files.watch(Some(&scene.source));
+        (self.saved, self.saving) = (Work::of_file(&scene), None);
         if let SceneSource::File(path) = &scene.source {
             self.state.remember(path);
         }
-        let display = DisplaySettings { split: false, ..self.edits.display };
+        let same_file = before.filter(|before| before.source == scene.source);
+        if same_file.is_none() {
+            self.visit = Visit::default();
+            self.divider = 0.5;
+            self.picture.forget_comparison();
+            self.auditor.goal = auditor::GOAL;
+        }
+        // A file that was read again goes on as it is looked at; another scene starts with its picture.
+        let display = match &same_file {
+            Some(_) => self.edits.display,
+            None => DisplaySettings::preferring(self.state.preferences),
+        };
         let edits = std::mem::replace(&mut self.edits, Edits::of_scene(&scene, display));
         let views = std::mem::replace(&mut self.views, scene.views.clone());
         (self.start_view, self.view_index) = (scene.start_view, None);
         self.history.clear();
         self.solo = None;
         self.exposure = Default::default();
-        if let Some(before) = before.filter(|before| before.source == scene.source) {
+        if let Some(before) = same_file {
             carry_lamps(&before, &edits, &scene, &mut self.edits);
             if carry_materials(&before, &edits, &scene, &mut self.edits) {
                 // Those that the worker has are of the scene as it was read before.
@@ -64,7 +78,7 @@ impl App {
                 up,
                 size.dot(up),
                 size.length(),
-                self.state.motion,
+                self.visit.motion,
                 self.state.eye_height,
             )
         });

@@ -3,6 +3,7 @@
 
 use super::app::App;
 use super::background::Background;
+use super::banners::Banner;
 use super::command::{Command, EditKey};
 use super::overlay::Notice;
 use super::panels::Model;
@@ -47,14 +48,16 @@ impl Lampless {
     }
 }
 
+/// The mesh and the reflectances that even light is made of, and whether corners are darker in it.
+type MadeOf = (u64, Arc<Vec<[f32; 3]>>, bool);
+
 /// Even light for the scene on screen: by direction at once, with its corners once these are known.
 #[derive(Default)]
 struct EvenView {
     /// The mesh that the corners are looked for on, and what ends the search.
     looked_for: Option<(u64, Arc<AtomicBool>)>,
     openness: Background<u64, Option<Vec<f32>>>,
-    /// What the light is made of: mesh, reflectances, and whether corners are in it.
-    of: Option<(u64, Arc<Vec<[f32; 3]>>, bool)>,
+    of: Option<MadeOf>,
     light: Option<PatchLight>,
 }
 
@@ -225,11 +228,14 @@ pub(super) fn carry_placed(read: &Scene, edits: &Edits, now: &Scene, new: &mut E
 }
 
 /// What a scene without lamps says in the view, and the offer to add some.
-pub(super) fn offer(model: &Model<'_>) -> Option<(String, Vec<(String, Command)>)> {
+pub(super) fn banner(model: &Model<'_>) -> Option<Banner> {
     let scene = model.scene.filter(|scene| scene.luminaires.is_empty())?;
+    let banner = |text: &str, actions| {
+        Some(Banner { key: "no lamps", is_warning: true, text: text.to_owned(), actions })
+    };
     if model.is_adding_lamps || model.edits.placed.len() > scene.placed.len() {
-        return Some(("Lamps are being added to the rooms...".to_owned(), Vec::new()));
+        return banner("No lamps yet: shown in even light. Ceiling lamps are being added.", Vec::new());
     }
-    let text = "No lamps: shown in even light. There is no light to compute yet.".to_owned();
-    Some((text, vec![("Add ceiling lamps".to_owned(), Command::AddCeilingLamps)]))
+    let add = ("Add ceiling lamps".to_owned(), Command::AddCeilingLamps);
+    banner("No lamps: shown in even light, and no light is computed.", vec![add])
 }

@@ -27,7 +27,7 @@ impl App {
             self.adopt_scene();
         }
         if news.bases {
-            self.picture.settle_comparison();
+            self.follow_with_comparison(ctx.input(|i| i.time));
             // Switched while the light was made.
             self.picture.settle(&self.edits.lighting);
             self.stale.light = true;
@@ -47,7 +47,7 @@ impl App {
             self.doctor.follow(prepared, move || wake.request_repaint());
         }
         for news in self.files.news() {
-            self.file_news(news, time);
+            self.file_news(ctx, news, time);
         }
         if let Some(notice) = &self.notice
             && !notice.is_error
@@ -104,7 +104,7 @@ impl App {
             light_version: self.picture.light_version,
             lighting: &self.edits.lighting,
         };
-        let maps = quantity.is_defect() || self.state.table_open || self.inspected.is_some();
+        let maps = quantity.is_defect() || self.visit.table_open || self.inspected.is_some();
         let news = self.microscope.follow(&self.snapshot, &shown, self.inspected, maps, ctx);
         if news && (quantity.is_defect() || quantity.is_row()) {
             self.stale.light = true;
@@ -167,9 +167,9 @@ impl App {
         }
     }
 
-    fn file_news(&mut self, news: FileNews, time: f64) {
+    fn file_news(&mut self, ctx: &egui::Context, news: FileNews, time: f64) {
         match news {
-            FileNews::Opened(path) => self.open(SceneSource::File(path)),
+            FileNews::Opened(path) => self.leave_for(SceneSource::File(path)),
             FileNews::SaveAs(kind, path) => self.save_to(kind, path),
             FileNews::Cancelled => {}
             FileNews::NoDialog(kind) => {
@@ -182,6 +182,7 @@ impl App {
                     self.files.watch(self.scene_shown.as_ref().map(|scene| &scene.source));
                 }
                 let text = format!("Saved {}", path.display());
+                self.has_saved(ctx, &path);
                 self.notice = Some(Notice { text, is_error: false, since: time });
             }
             FileNews::Repaired(path, what) => {
@@ -196,6 +197,7 @@ impl App {
                 self.notice = Some(Notice { text, is_error: false, since: time });
             }
             FileNews::SaveFailed(text) => {
+                self.has_failed_to_save();
                 self.notice = Some(Notice { text, is_error: true, since: time });
             }
             FileNews::Changed => {

@@ -60,13 +60,22 @@ pub(super) fn dark(ui: &egui::Ui, view: Rect) {
     });
 }
 
+/// What the picture of a scene without lamps is: nobody is to take it for its light.
+pub(super) fn even_light(ui: &egui::Ui, view: Rect) {
+    corner(ui, "even light", view, Align2::RIGHT_BOTTOM, |ui| {
+        ui.style_mut().interaction.selectable_labels = false;
+        ui.label(RichText::new("Even light: no lamps").color(Color32::from_gray(235)));
+    });
+}
+
 /// The present message, with a way to take it away.
 pub(super) fn notice(ui: &egui::Ui, view: Rect, notice: &Notice, out: &mut Commands) {
     corner(ui, "notice", view, Align2::CENTER_TOP, |ui| {
         ui.horizontal(|ui| {
-            let (word, colour) =
-                if notice.is_error { ("Error", theme::FAILURE) } else { ("Done", theme::DONE) };
-            ui.label(RichText::new(word).strong().color(colour));
+            // What went well needs no word in front.
+            if notice.is_error {
+                ui.label(RichText::new("Error").strong().color(theme::FAILURE));
+            }
             ui.scope(|ui| {
                 // Room for the button beside it.
                 ui.set_max_width((ui.available_width() - 74.0).max(60.0));

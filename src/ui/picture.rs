@@ -109,7 +109,7 @@ pub(super) struct Picture {
     /// The mesh that came to the screen last, on its way to the renderer.
     pub(super) uploaded: Option<Result<UploadedMesh, UploadError>>,
     maker: LightMaker,
-    bases: Option<Arc<LightBases>>,
+    pub(super) bases: Option<Arc<LightBases>>,
     pub(super) reflectance: Arc<Vec<[f32; 3]>>,
     /// That `light` is of.
     lighting: Lighting,
@@ -124,7 +124,7 @@ pub(super) struct Picture {
     /// Grows with every change of `light`.
     pub(super) light_version: u64,
     /// State A.
-    comparison: Option<Kept>,
+    pub(super) comparison: Option<Kept>,
 }
 
 impl Picture {
@@ -284,34 +284,6 @@ impl Picture {
             Some(luminance(radiosity))
         });
         Metered { shown: [under(&self.light)].into_iter().chain(kept).collect(), usual: usual.collect() }
-    }
-
-    /// Keeps the present light as state A.
-    pub(super) fn store_comparison(&mut self, lighting: &Lighting) {
-        if let Some(prepared) = self.prepared.as_ref().filter(|_| !self.light.radiosity.is_empty()) {
-            let reflectance = Arc::clone(&self.reflectance);
-            let kept = Kept::new(prepared.mesh_serial, lighting.clone(), reflectance, self.light.clone());
-            self.comparison = Some(kept);
-        }
-    }
-
-    /// Lets state A follow a solution that has gone on.
-    pub(super) fn settle_comparison(&mut self) {
-        let (Some(prepared), Some(bases)) = (&self.prepared, &self.bases) else { return };
-        if let Some(kept) = self.comparison.as_mut().filter(|kept| kept.mesh_serial == prepared.mesh_serial) {
-            kept.settle(bases, &prepared.mesh, &self.reflectance);
-        }
-    }
-
-    /// Whether a state A of this mesh is stored.
-    pub(super) fn has_comparison(&self) -> bool {
-        self.kept().is_some()
-    }
-
-    /// State A, where it is of this mesh.
-    pub(super) fn kept(&self) -> Option<&Kept> {
-        let serial = self.prepared.as_ref()?.mesh_serial;
-        self.comparison.as_ref().filter(|kept| kept.mesh_serial == serial)
     }
 
     /// The values of a false-colour quantity under this light, one a patch.

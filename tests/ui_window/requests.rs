@@ -1,29 +1,17 @@
 //! What the window asks of the solver, and what it says of the answers.
 
-use crate::support::{Counting, click, press, solution_of, solved, wait_until, window, write_model};
+use crate::support::{
+    Counting, click, press, read_again, says, solution_of, solved, wait_until, window, write_model,
+};
 use egui::Key;
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable as _;
-use lumenwalk::scene::{LengthUnit, Scene, SceneSource, View};
+use lumenwalk::scene::{LengthUnit, SceneSource, View};
 use lumenwalk::session::{Snapshot, Stage};
 use lumenwalk::ui::App;
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::Duration;
-
-/// The scene on screen, read again with changes.
-fn read_again(worker: &Counting, change: impl FnOnce(&mut Scene)) {
-    worker.publish(|s| {
-        let mut scene = Scene::clone(s.scene.as_ref().expect("a scene"));
-        change(&mut scene);
-        s.scene = Some(Arc::new(scene));
-        s.mesh_serial += 1;
-    });
-}
-
-fn says(harness: &Harness<'_, App>, text: &str) -> bool {
-    harness.query_all_by_label_contains(text).next().is_some()
-}
 
 fn opened(worker: &Counting) -> Vec<String> {
     worker.requests().into_iter().filter(|request| request.starts_with("open ")).collect()
