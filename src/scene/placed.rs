@@ -412,7 +412,10 @@ mod tests {
             assert!(message.contains("t.toml, line 6") && message.contains(what), "{to}: {message}");
         }
         let message = scene(&LAMP.replace("cct", "kelvins")).unwrap_err().to_string();
-        assert!(message.contains("unknown key 'kelvins'") && message.contains("t.toml, line 10"), "{message}");
+        assert!(
+            message.contains("unknown key 'kelvins'") && message.contains("t.toml, line 10"),
+            "{message}"
+        );
         let message = scene(&LAMP.replace("lumens = 3600\n", "")).unwrap_err().to_string();
         assert!(message.contains("lumens"), "{message}");
     }

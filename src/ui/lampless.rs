@@ -11,7 +11,7 @@ use super::picture::Prepared;
 use super::state::Edits;
 use crate::display::{even_light, openness};
 use crate::scene::{PlacedLamp, Scene, ceiling_lamps};
-use crate::session::Snapshot;
+use crate::session::{Snapshot, Stage};
 use crate::solver::PatchLight;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -233,7 +233,14 @@ pub(super) fn banner(model: &Model<'_>) -> Option<Banner> {
     let banner = |text: &str, actions| {
         Some(Banner { key: "no lamps", is_warning: true, text: text.to_owned(), actions })
     };
-    if model.is_adding_lamps || model.edits.placed.len() > scene.placed.len() {
+    let is_waiting = model.edits.placed.len() > scene.placed.len();
+    if is_waiting && model.snapshot.stage == Stage::Unlit && model.snapshot.error.is_some() {
+        return banner(
+            "No lamps: those that were added could not be solved for. Undo takes them back.",
+            Vec::new(),
+        );
+    }
+    if model.is_adding_lamps || is_waiting {
         return banner("No lamps yet: shown in even light. Ceiling lamps are being added.", Vec::new());
     }
     let add = ("Add ceiling lamps".to_owned(), Command::AddCeilingLamps);

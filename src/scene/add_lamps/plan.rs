@@ -11,9 +11,13 @@ use std::ops::Range;
 const CELL: f64 = 0.25;
 /// The most columns; larger models get wider ones.
 const MOST_CELLS: f64 = 30_000.0;
-/// Free height above a floor, metres.
+/// Free height above the floor of a room, metres.
 const HEADROOM: f64 = 1.8;
-/// Floors that differ by no more than this belong together: a table stands in its room, metres.
+/// Height of a storey, metres: a model that is lower is a small one.
+const STOREY: f64 = 2.3;
+/// Free height from which on a column is looked at, metres: above a cupboard the room goes on.
+const GAP: f64 = 0.35;
+/// Under the sky, floors that differ by no more than this belong together, metres; other steps are walls.
 const STEP: f64 = 1.0;
 /// Walls are looked for so far below the ceiling, metres: above doors, and above most furniture.
 const BELOW_CEILING: f64 = 0.25;
@@ -31,7 +35,7 @@ pub(super) enum Kind {
     Open,
 }
 
-/// A part of a column in which one can stand.
+/// A free part of a column, above a floor or a piece of furniture.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Space {
     /// The column.
@@ -90,7 +94,7 @@ impl Plan {
         let height = size.dot(up);
         // What is flat has no height that would say how large a person is in it.
         let tall = if height > 0.02 * level.length() { height } else { 0.3 * level.length() };
-        let scale = (0.6 * tall / HEADROOM).min(1.0);
+        let scale = (tall / STOREY).min(1.0);
         let area = level.x * level.y;
         let cell = (CELL * scale).max((area / MOST_CELLS).sqrt());
         let counts = [level.x, level.y].map(|length| ((length / cell).ceil() as usize).max(1));
@@ -170,7 +174,7 @@ impl Plan {
             ceiling: f64::INFINITY,
             kind: Kind::Open,
         });
-        let between = layers.windows(2).filter(|pair| pair[0].height - pair[1].height >= self.headroom);
+        let between = layers.windows(2).filter(|pair| pair[0].height - pair[1].height >= GAP * self.scale);
         let roofed = between.map(|pair| Space {
             cell: cell as u32,
             floor: pair[1].height,
@@ -208,12 +212,10 @@ impl Plan {
 
     /// Whether nothing stands between two spaces of neighbouring columns.
     fn are_joined(&self, a: &Space, b: &Space) -> bool {
-        if a.kind != b.kind || (a.floor - b.floor).abs() > STEP * self.scale {
-            return false;
-        }
         let (low, high) = (a.floor.max(b.floor), a.ceiling.min(b.ceiling));
         let overlap = high - low;
-        if overlap < 0.5 * self.headroom {
+        let is_step = a.kind == Kind::Open && (a.floor - b.floor).abs() > STEP * self.scale;
+        if a.kind != b.kind || is_step || overlap < 0.7 * GAP * self.scale {
             return false;
         }
         let height = match high.is_finite() {

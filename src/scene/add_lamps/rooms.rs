@@ -43,7 +43,8 @@ pub(super) fn find(plan: &Plan, kind: Kind) -> Vec<Room> {
             let room = Room::new(plan, spaces, &depths);
             let deepest = room.depths.iter().copied().fold(0.0, f64::max);
             let smallest = SMALLEST * plan.scale * plan.scale;
-            (room.area >= smallest && deepest >= NARROWEST * plan.scale).then_some(room)
+            let is_high = room.ceiling - room.floor >= plan.headroom;
+            (room.area >= smallest && deepest >= NARROWEST * plan.scale && is_high).then_some(room)
         }));
     }
     rooms
@@ -172,6 +173,8 @@ impl Room {
         let usual = 0.15 * plan.scale;
         let mut found: Vec<(f64, usize)> = (0..self.spaces.len())
             .filter(|&k| self.depths[k] >= deep)
+            // Not above a cupboard.
+            .filter(|&k| plan.spaces[self.spaces[k] as usize].floor <= self.floor + plan.scale)
             .map(|k| {
                 let space = self.spaces[k] as usize;
                 let ceiling = plan.spaces[space].ceiling;
