@@ -8,7 +8,7 @@ use super::repair::repair_watched;
 use super::sidecar::{Sidecar, Source};
 use super::space::Space;
 use super::types::{FrameChoice, Scene, SceneSource};
-use super::{builtin, frame, mtl, names, obj, sides, views};
+use super::{builtin, frame, mtl, names, obj, placed, sides, views};
 use crate::geometry::Aabb;
 use crate::watch::Watch;
 use glam::DVec3;
@@ -189,6 +189,13 @@ fn build(input: Input<'_>, watch: &mut Watch<'_>) -> Result<Scene, SceneError> {
     let luminaires = gather(&parts, &mut surfaces, &mut normals, sidecar.as_ref().zip(sidecar_source))?;
 
     watch.done(REPAIRED)?;
+    let placed = match (&sidecar, sidecar_source) {
+        (Some(sidecar), Some(source)) => {
+            placed::read(&sidecar.lamps, (unit, up, origin), &luminaires, source)?
+        }
+        _ => Vec::new(),
+    };
+
     let bookmarks = match (&sidecar, sidecar_source) {
         (Some(sidecar), Some(source)) => sidecar.views(source, unit, origin)?,
         _ => Vec::new(),
@@ -207,12 +214,14 @@ fn build(input: Input<'_>, watch: &mut Watch<'_>) -> Result<Scene, SceneError> {
         materials: materials.list,
         textures: textures.list,
         luminaires,
+        placed: Vec::new(),
         views: bookmarks,
         start_view: 0,
         patch_size: sidecar.as_ref().and_then(|s| s.patch_size.as_ref()).map(|size| *size.get_ref()),
         findings,
     };
     judge(&mut scene, stated);
+    scene.place(placed);
     if let (Some(sidecar), Some(source)) = (&sidecar, sidecar_source)
         && let Some(start) = sidecar.start(&scene.views, source)?
     {

@@ -14,6 +14,7 @@
 //! them has one, all of them emit. Surfaces with Ke that no entry selects make one luminaire for
 //! each object and material.
 
+mod add_lamps;
 pub mod builtin;
 mod colour;
 mod doctor;
@@ -28,6 +29,7 @@ mod mtl;
 mod names;
 mod obj;
 mod outlines;
+mod placed;
 mod repair;
 mod sidecar;
 mod sidecar_write;
@@ -40,6 +42,7 @@ mod types;
 mod up_axis;
 mod views;
 
+pub use add_lamps::ceiling_lamps;
 pub use colour::black_body;
 pub use doctor::{Crossing, Examination, check, examine};
 pub use error::SceneError;
@@ -50,6 +53,7 @@ pub use luminaires::lumens;
 pub use mend::{Mended, mend};
 pub use names::nearest as nearest_names;
 pub(crate) use names::{grouped, list as name_list};
+pub use placed::{LampColour, LampKind, PlacedLamp};
 pub use sidecar_write::{sidecar_text, write_frame, write_sidecar};
 pub use summary::{LuminaireSummary, MaterialSummary, Summary};
 pub use types::{

@@ -4,6 +4,7 @@ use super::error::SceneError;
 use super::finding::{Finding, FindingKind, Severity};
 use super::mtl::repair_reflectance;
 use super::names;
+use super::placed::LampEntry;
 use super::types::{LengthUnit, MAX_REFLECTANCE, Material, Sides, UpAxis, View};
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
@@ -26,6 +27,8 @@ pub(super) struct Sidecar {
     pub(super) views: Vec<ViewEntry>,
     #[serde(default, rename = "luminaire", skip_serializing_if = "Vec::is_empty")]
     pub(super) luminaires: Vec<Spanned<LuminaireEntry>>,
+    #[serde(default, rename = "lamp", skip_serializing_if = "Vec::is_empty")]
+    pub(super) lamps: Vec<LampEntry>,
     #[serde(default, rename = "material", skip_serializing_if = "Vec::is_empty")]
     pub(super) materials: Vec<MaterialEntry>,
 }

@@ -2,6 +2,7 @@
 
 use super::error::SceneError;
 use super::luminaires::{selectors, selects};
+use super::placed::LampEntry;
 use super::sidecar::{LuminaireEntry, MaterialEntry, Sidecar, SidesKey, Source, UpKey, ViewEntry};
 use super::sides::partners;
 use super::types::{LengthUnit, Lighting, Scene, Sides, Surface, UpAxis};
@@ -48,11 +49,12 @@ pub fn sidecar_text(
         })
         .collect();
 
-    if sidecar.luminaires.len() > scene.luminaires.len() || !entries_fit(scene, &sidecar) {
+    let own = scene.own_luminaires();
+    if sidecar.luminaires.len() > own || !entries_fit(scene, &sidecar) {
         return Err(stale());
     }
     let known = sidecar.luminaires.len();
-    for (objects, materials) in selectors(scene).into_iter().skip(known) {
+    for (objects, materials) in selectors(scene).into_iter().take(own).skip(known) {
         sidecar.luminaires.push(unplaced(new_entry(objects, materials)));
     }
     for ((entry, luminaire), lamp) in
@@ -68,7 +70,10 @@ pub fn sidecar_text(
         }
     }
 
-    for material in repainted.iter().filter_map(|&index| scene.materials.get(index as usize)) {
+    let placed = scene.placed.iter().zip(lighting.lamps.iter().skip(own));
+    sidecar.lamps = placed.map(|(lamp, state)| LampEntry::of(&lamp.starting_as(state), scene)).collect();
+
+    for material in repainted.iter().filter_map(|&index| scene.own_materials().get(index as usize)) {
         let reflectance = Some(material.reflectance);
         let mut entries = sidecar.materials.iter_mut();
         if let Some(entry) = entries.find(|entry| *entry.name.get_ref() == material.name) {

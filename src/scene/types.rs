@@ -1,5 +1,6 @@
 use super::extent::{Extent, Footprint};
 use super::finding::Finding;
+use super::placed::PlacedLamp;
 use crate::geometry::Aabb;
 use glam::{DVec2, DVec3};
 use std::path::{Path, PathBuf};
@@ -51,6 +52,8 @@ pub struct Scene {
     pub textures: Vec<Texture>,
     /// The lamps that a user can switch, in a stable order.
     pub luminaires: Vec<Luminaire>,
+    /// Lamps that stand in no model file; the last of `luminaires`, in this order, are theirs.
+    pub placed: Vec<PlacedLamp>,
     /// Bookmarks; never empty (the reader makes one up where the file has none).
     pub views: Vec<View>,
     /// Index into `views` of the view to start from.

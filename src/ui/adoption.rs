@@ -4,6 +4,7 @@
 use super::app::App;
 use super::auditor;
 use super::camera_control::CameraControl;
+use super::lampless::carry_placed;
 use super::leaving::Work;
 use super::state::{DisplaySettings, Edits, Visit};
 use crate::scene::{Scene, View};
@@ -22,6 +23,10 @@ impl App {
         let scene = Arc::clone(&prepared.scene);
         let before = self.scene_shown.replace(Arc::clone(&scene));
         if before.as_ref().is_some_and(|before| Arc::ptr_eq(before, &scene)) {
+            return;
+        }
+        let read_before = self.lampless.read().cloned();
+        if self.goes_on_as(&scene) {
             return;
         }
         self.files.watch(Some(&scene.source));
@@ -55,6 +60,10 @@ impl App {
             }
             if is_in_place(&before, &scene) {
                 carry_views(&before, &views, &mut self.views);
+                let read = read_before.as_ref().unwrap_or(&before);
+                if carry_placed(read, &edits, &scene, &mut self.edits) {
+                    self.send_placed();
+                }
                 if self.camera.is_some() {
                     return;
                 }
@@ -74,6 +83,7 @@ impl App {
             )
         });
         self.inherit();
+        self.add_lamps_at_start();
     }
 }
 

@@ -10,6 +10,7 @@ use super::files::Files;
 use super::fonts::Unreadable;
 use super::frame_clock::FrameClock;
 use super::history::History;
+use super::lampless::Lampless;
 use super::leaving::{Leaving, Work};
 use super::microscope::Microscope;
 use super::overlay::Notice;
@@ -112,6 +113,7 @@ pub struct App {
     /// The tour whose ways were found last.
     pub(super) tours: Background<Plan, Option<Tour>>,
     pub(super) clock: FrameClock,
+    pub(super) lampless: Lampless,
     pub(super) reclaim: Reclaim,
     /// Where an orbit started: the point under the cursor.
     pub(super) pivot: Option<glam::DVec3>,
@@ -205,6 +207,7 @@ impl App {
             touring: None,
             tours: Background::default(),
             clock,
+            lampless: Lampless::default(),
             reclaim: Reclaim::default(),
             pivot: None,
             stale: Stale::default(),
@@ -391,6 +394,7 @@ impl App {
             last_change: &self.last_change,
             auditor: &self.auditor,
             doctor: &self.doctor,
+            is_adding_lamps: self.lampless.is_searching(),
             can: [self.history.can_undo(), self.history.can_redo()],
             frame_secs: self.frame_secs,
             memory: self.memory.1,

@@ -171,7 +171,8 @@ impl Files {
     ) {
         let sidecar = sidecar_path(path);
         self.spawn("save sidecar", move || {
-            let mut scene = Arc::unwrap_or_clone(scene);
+            // Lamps that were added may not have come to the screen yet.
+            let mut scene = scene.with_placed(edits.placed);
             (scene.views, scene.start_view) = (views, start_view);
             let mut repainted = Vec::new();
             for (index, value) in edits.reflectance.iter().enumerate() {

@@ -29,7 +29,7 @@ impl Work {
 
     fn new(scene: &Scene, edits: &Edits, views: &[View], start_view: usize) -> Self {
         let edited = |k: usize| edits.reflectance.get(k).copied().flatten();
-        let materials = scene.materials.iter().enumerate();
+        let materials = scene.own_materials().iter().enumerate();
         Self {
             lamps: edits.lighting.lamps.clone(),
             reflectance: materials.map(|(k, material)| edited(k).unwrap_or(material.reflectance)).collect(),

@@ -60,6 +60,7 @@ impl Room {
                 ],
                 textures: vec![checks],
                 luminaires: Vec::new(),
+                placed: Vec::new(),
                 views: vec![View {
                     name: "start".to_owned(),
                     eye: v(0.4, 1.7, 4.7),

@@ -14,7 +14,10 @@ pub(in crate::ui) fn show(ui: &mut egui::Ui, model: &Model<'_>, out: &mut Comman
         return;
     };
     if scene.luminaires.is_empty() {
-        empty(ui, "This scene has no lamps: no material of it emits light (Ke).");
+        empty(
+            ui,
+            "No material of this scene emits light (Ke). Edit > Add ceiling lamps hangs some in its rooms.",
+        );
         return;
     }
     ui.horizontal(|ui| {
