@@ -2,13 +2,17 @@
 
 use super::error::SceneError;
 use super::finding::{Finding, FindingKind, Severity};
+use super::lookup::{Files, read_complete};
 use super::luminaires::{Parts, gather};
+use super::mtl::Materials;
+use super::obj::Obj;
 use super::repair::repair;
 use super::sidecar::{Sidecar, Source};
 use super::types::{Scene, SceneSource};
-use super::{builtin, mtl, names, obj, views};
+use super::{builtin, mtl, names, obj, polygons, text, views};
 use crate::geometry::Aabb;
-use glam::DVec3;
+use glam::{DVec2, DVec3};
+use std::collections::HashMap;
 use std::io;
 use std::path::{Path, PathBuf};
 
@@ -24,8 +28,8 @@ struct Input<'a> {
     obj_file: String,
     obj: &'a str,
     sidecar: Option<(String, String)>,
-    /// Bytes of a material library or an image.
-    read: &'a dyn Fn(&str) -> io::Result<Vec<u8>>,
+    /// Where material libraries and images are.
+    files: Files<'a>,
 }
 
 /// Reads a scene: an OBJ file with the MTL, images and sidecar (`NAME.toml`) beside it, or an
@@ -48,17 +52,13 @@ pub fn load(source: &SceneSource) -> Result<Scene, SceneError> {
 
 /// Makes a scene of texts in memory. Every `mtllib` means `mtl`; images are not found.
 pub fn from_text(name: &str, obj: &str, mtl: &str, sidecar_toml: Option<&str>) -> Result<Scene, SceneError> {
-    let read = |file: &str| {
-        let is_image = [".png", ".jpg", ".jpeg"].iter().any(|end| file.to_ascii_lowercase().ends_with(end));
-        if is_image { Err(io::ErrorKind::NotFound.into()) } else { Ok(mtl.as_bytes().to_vec()) }
-    };
     build(Input {
         name,
         source: SceneSource::Builtin(name.to_owned()),
         obj_file: format!("{name}.obj"),
         obj,
         sidecar: sidecar_toml.map(|text| (format!("{name}.toml"), text.to_owned())),
-        read: &read,
+        files: Files::Library(mtl),
     })
 }
 
@@ -68,23 +68,22 @@ pub fn sidecar_path(obj: &Path) -> PathBuf {
 }
 
 fn load_file(path: &Path) -> Result<Scene, SceneError> {
-    let bytes = read_file(path).map_err(|error| SceneError::reading(path, &error))?;
+    let bytes = read_complete(path).map_err(|error| SceneError::reading(path, &error))?;
     let sidecar_path = sidecar_path(path);
-    let sidecar = match read_file(&sidecar_path) {
-        Ok(bytes) => Some((display(&sidecar_path), String::from_utf8_lossy(&bytes).into_owned())),
+    let sidecar = match read_complete(&sidecar_path) {
+        Ok(bytes) => Some((display(&sidecar_path), text::decode(&bytes).into_owned())),
         Err(error) if error.kind() == io::ErrorKind::NotFound => None,
         Err(error) => return Err(SceneError::reading(&sidecar_path, &error)),
     };
     let folder = path.parent().unwrap_or(Path::new(""));
-    let read = |file: &str| read_beside(folder, file);
     let name = path.file_stem().map_or_else(|| "scene".into(), |stem| stem.to_string_lossy());
     build(Input {
         name: &name,
         source: SceneSource::File(path.to_owned()),
         obj_file: display(path),
-        obj: &String::from_utf8_lossy(&bytes),
+        obj: &text::decode(&bytes),
         sidecar,
-        read: &read,
+        files: Files::Folder(folder),
     })
 }
 
@@ -93,42 +92,16 @@ fn display(path: &Path) -> String {
     path.file_name().map_or_else(|| path.display().to_string(), |name| name.to_string_lossy().into_owned())
 }
 
-/// Reads a plain file; devices and pipes could go on for ever.
-pub(super) fn read_file(path: &Path) -> io::Result<Vec<u8>> {
-    let metadata = std::fs::metadata(path)?;
-    if metadata.is_dir() {
-        return Err(io::ErrorKind::IsADirectory.into());
-    }
-    if !metadata.is_file() {
-        return Err(io::Error::other("it is not a plain file"));
-    }
-    std::fs::read(path)
-}
-
-/// A file named in a model: as given, with `\` for `/`, or by its last part beside the model.
-pub(super) fn read_beside(folder: &Path, file: &str) -> io::Result<Vec<u8>> {
-    let slashed = file.replace('\\', "/");
-    let last = slashed.rsplit('/').next().unwrap_or_default();
-    let mut result = read_file(&folder.join(file));
-    for other in [slashed.as_str(), last] {
-        if result.as_ref().is_err_and(|error| error.kind() == io::ErrorKind::NotFound) && other != file {
-            result = read_file(&folder.join(other));
-        }
-    }
-    result
-}
-
 fn build(input: Input<'_>) -> Result<Scene, SceneError> {
     let sidecar_source = input.sidecar.as_ref().map(|(file, text)| Source { file, text });
     let sidecar = sidecar_source.map(|source| source.parse()).transpose()?;
     let scan = obj::scan(&input.obj_file, input.name, input.obj)?;
-    let (mut materials, textures) = mtl::read(&scan, &input.obj_file, input.read)?;
+    let (mut materials, textures) = mtl::read(&scan, input.name, &input.obj_file, input.files)?;
     let mut findings = scan.findings.clone();
     findings.append(&mut materials.findings);
-    let obj = match &materials.parsed {
-        Some(parsed) => obj::parse(&input.obj_file, scan, parsed)?,
-        None => return Err(SceneError::file(&input.obj_file, "the materials were not parsed")),
-    };
+    let mut obj = polygons::parse(&input.obj_file, scan)?;
+    assign_materials(&mut obj, &materials);
+    findings.extend(images_without_coordinates(&obj, &materials));
 
     let unit = sidecar.as_ref().map(Sidecar::unit).unwrap_or_default();
     let up = sidecar.as_ref().map(Sidecar::up).unwrap_or_default();
@@ -150,11 +123,13 @@ fn build(input: Input<'_>) -> Result<Scene, SceneError> {
     let parts = Parts {
         positions: &positions,
         objects: &obj.objects,
+        given_objects: &obj.given_objects,
         materials: &materials.list,
         exitance: &materials.exitance,
     };
     let mut normals = repaired.normals;
-    let luminaires = gather(&parts, &mut surfaces, &mut normals, sidecar.as_ref().zip(sidecar_source))?;
+    let entries = sidecar.as_ref().zip(sidecar_source);
+    let luminaires = gather(&parts, &mut surfaces, &mut normals, entries, &mut findings)?;
 
     let bookmarks = match (&sidecar, sidecar_source) {
         (Some(sidecar), Some(source)) => sidecar.views(source)?,
@@ -178,6 +153,7 @@ fn build(input: Input<'_>) -> Result<Scene, SceneError> {
         uvs: obj.uvs,
         surfaces,
         objects: obj.objects,
+        given_objects: obj.given_objects,
         materials: materials.list,
         textures: textures.list,
         luminaires,
@@ -188,6 +164,42 @@ fn build(input: Input<'_>) -> Result<Scene, SceneError> {
     };
     scene.findings.extend(absurd_size(&scene));
     Ok(scene)
+}
+
+/// Turns the numbers that materials have in the scan into those that they have in the list, and lays images
+/// as their materials say.
+fn assign_materials(obj: &mut Obj, materials: &Materials) {
+    let mut laid: HashMap<(u32, u32), u32> = HashMap::new();
+    for face in &mut obj.faces {
+        face.material = materials.of_scan.get(face.material as usize).copied().unwrap_or(0);
+        let placement = materials.placements.get(face.material as usize).copied().unwrap_or_default();
+        if placement == Default::default() {
+            continue;
+        }
+        for uv in face.corners.iter_mut().filter_map(|(_, _, uv)| uv.as_mut()) {
+            *uv = *laid.entry((*uv, face.material)).or_insert_with(|| {
+                let given = obj.uvs.get(*uv as usize).copied().unwrap_or(DVec2::ZERO);
+                obj.uvs.push(placement.apply(given));
+                obj.uvs.len() as u32 - 1
+            });
+        }
+    }
+}
+
+/// Faces with an image and no texture coordinates: nothing says which part of it they show.
+fn images_without_coordinates(obj: &Obj, materials: &Materials) -> Option<Finding> {
+    let has_image = |material: u32| materials.list[material as usize].texture.is_some();
+    let bare = |face: &&obj::Face| face.corners.iter().any(|(_, _, uv)| uv.is_none());
+    let faces: Vec<&obj::Face> = obj.faces.iter().filter(|f| has_image(f.material)).filter(bare).collect();
+    let first = faces.first()?;
+    let names = names::list(faces.iter().map(|face| materials.list[face.material as usize].name.as_str()));
+    let message = format!(
+        "faces with an image have no texture coordinates ({}, first in line {}, of {names})",
+        faces.len(),
+        first.line
+    );
+    let finding = Finding::new(FindingKind::Material, Severity::Warning, message);
+    Some(finding.counted(faces.len()).with("the mean of the image counts there"))
 }
 
 fn absurd_size(scene: &Scene) -> Option<Finding> {

@@ -2,21 +2,29 @@
 
 use super::colour::{black_body, normalised};
 use super::error::SceneError;
+use super::finding::{Finding, FindingKind, Severity};
+use super::library::{ShownAndGiven, meant};
 use super::names;
 use super::sidecar::{EmitsKey, LuminaireEntry, Sidecar, Source};
 use super::types::{LUMINOUS_EFFICACY, LampState, Luminaire, Material, Scene, Surface, luminance_weighted};
 use crate::geometry::polygon;
 use glam::DVec3;
-use std::collections::{BTreeMap, HashMap, HashSet};
+use std::collections::{BTreeMap, BTreeSet, HashMap, HashSet};
+use std::ops::Range;
 
 /// The parts of a scene that lamps are made of.
 pub(super) struct Parts<'a> {
     pub(super) positions: &'a [DVec3],
     pub(super) objects: &'a [String],
+    /// Names of `objects` in the file.
+    pub(super) given_objects: &'a [String],
     pub(super) materials: &'a [Material],
     /// Exitance of each material by its Ke, W/m² per band.
     pub(super) exitance: &'a [[f64; 3]],
 }
+
+/// Above this share of the area that emits by its Ke an exporter has probably written a Ke that is none.
+const MOST_EMITTING: f64 = 0.3;
 
 /// Makes the lamps: first those of the sidecar, in its order, then one for each object and emitting
 /// material that no entry takes. Marks the surfaces that belong to them.
@@ -25,6 +33,7 @@ pub(super) fn gather(
     surfaces: &mut [Surface],
     normals: &mut Vec<DVec3>,
     sidecar: Option<(&Sidecar, Source<'_>)>,
+    findings: &mut Vec<Finding>,
 ) -> Result<Vec<Luminaire>, SceneError> {
     let mut luminaires = Vec::new();
     let mut taken = HashSet::new();
@@ -32,32 +41,46 @@ pub(super) fn gather(
         for entry in &sidecar.luminaires {
             let at = entry.span().start;
             let entry = entry.get_ref();
-            let name = entry.display_name();
+            let entry_name = entry.display_name();
             let fail = |fault: String| {
-                source.error_at(at, format!("the luminaire '{}' {fault}", names::short(&name)))
+                source.error_at(at, format!("the luminaire '{}' {fault}", names::short(&entry_name)))
             };
             if let Some(fault) = entry.fault() {
                 return Err(fail(fault));
             }
-            let members = members(entry, parts, surfaces).map_err(fail)?;
-            let name = if entry.name.is_some() && !taken.insert(name.clone()) {
-                return Err(fail("is there twice; names must differ".to_owned()));
-            } else if entry.name.is_some() {
-                name
-            } else {
-                names::unique(&name, &mut taken)
-            };
-            let number = luminaires.len() as u32;
-            let initial = light(entry, parts, surfaces, &members, number).map_err(|fault| {
-                source.error_at(at, format!("the luminaire '{}' {fault}", names::short(&name)))
-            })?;
-            if entry.emits == Some(EmitsKey::Back) {
-                members.iter().for_each(|&m| turn(&mut surfaces[m], normals));
+            let lamps = lamps_of(entry, parts, surfaces).map_err(fail)?;
+            if lamps.len() > 1 {
+                let object = names::short(entry.object.as_deref().unwrap_or_default());
+                let message = format!(
+                    "{} objects are named '{object}', and each is a lamp of its own; objects = [\"{object}\"] makes one lamp of all",
+                    lamps.len()
+                );
+                let finding = Finding::new(FindingKind::Lamp, Severity::Note, message);
+                findings.push(finding.counted(lamps.len()));
             }
-            luminaires.push(Luminaire { name, area: area(parts, surfaces, &members), initial });
+            let is_one = lamps.len() == 1;
+            for (k, members) in lamps.into_iter().enumerate() {
+                let object = &parts.objects[surfaces[members[0]].object as usize];
+                let name = match (&entry.name, is_one) {
+                    (Some(_), true) if !taken.insert(entry_name.clone()) => {
+                        return Err(fail("is there twice; names must differ".to_owned()));
+                    }
+                    (Some(_), true) => entry_name.clone(),
+                    (Some(_), false) => names::unique(&format!("{entry_name} {}", k + 1), &mut taken),
+                    (None, true) => names::unique(&entry_name, &mut taken),
+                    (None, false) => names::unique(&names::pretty(object), &mut taken),
+                };
+                let number = luminaires.len() as u32;
+                let initial = light(entry, parts, surfaces, &members, number).map_err(fail)?;
+                if entry.emits == Some(EmitsKey::Back) {
+                    members.iter().for_each(|&m| turn(&mut surfaces[m], normals));
+                }
+                luminaires.push(Luminaire { name, area: area(parts, surfaces, &members), initial });
+            }
         }
     }
     let free = unclaimed(parts, surfaces);
+    findings.extend(emission_everywhere(parts, surfaces, &free));
     let mut materials_of: HashMap<u32, u32> = HashMap::new();
     free.iter().for_each(|((object, _), _)| *materials_of.entry(*object).or_default() += 1);
     for ((object, material), members) in free {
@@ -121,53 +144,175 @@ fn area(parts: &Parts<'_>, surfaces: &[Surface], members: &[usize]) -> f64 {
         .sum()
 }
 
-/// Whether an entry's names select a surface.
-pub(super) fn selects(entry: &LuminaireEntry, object: &str, material: &str) -> bool {
-    let by_object = entry.objects().next().is_none() || entry.objects().any(|name| name == object);
-    let by_material = entry.materials().next().is_none() || entry.materials().any(|name| name == material);
-    by_object && by_material
+/// A warning where much of the model emits, and no sidecar says that it is to.
+fn emission_everywhere(
+    parts: &Parts<'_>,
+    surfaces: &[Surface],
+    free: &[((u32, u32), Vec<usize>)],
+) -> Option<Finding> {
+    let area = |surface: &Surface| surface_area(parts.positions, surface);
+    let emitting: f64 = free.iter().flat_map(|(_, members)| members).map(|&m| area(&surfaces[m])).sum();
+    let share = emitting / surfaces.iter().map(area).sum::<f64>();
+    if share.is_nan() || share <= MOST_EMITTING {
+        return None;
+    }
+    let materials = names::list(free.iter().map(|((_, m), _)| parts.materials[*m as usize].name.as_str()));
+    let message = format!(
+        "{:.0} % of the area emits light, by the Ke of {materials}; if these are no lamps, an exporter has \
+         written a Ke for them: remove it",
+        100.0 * share
+    );
+    Some(Finding::new(FindingKind::Lamp, Severity::Warning, message).counted(free.len()))
 }
 
-/// The surfaces of an entry: of those selected and free the ones that emit, or all if none does.
-fn members(entry: &LuminaireEntry, parts: &Parts<'_>, surfaces: &[Surface]) -> Result<Vec<usize>, String> {
-    for (kind, wanted, known) in [
-        (
-            "object",
-            entry.objects().collect::<Vec<_>>(),
-            parts.objects.iter().map(String::as_str).collect::<Vec<_>>(),
-        ),
-        ("material", entry.materials().collect(), parts.materials.iter().map(|m| m.name.as_str()).collect()),
-    ] {
-        if let Some(unknown) = wanted.into_iter().find(|name| !known.contains(name)) {
-            let near = names::list(names::nearest(unknown, known));
-            let unknown = names::short(unknown);
-            return Err(format!(
-                "asks for the {kind} '{unknown}', which is not there; the nearest names are {near}"
-            ));
-        }
+/// The objects and materials that an entry selects.
+struct Selection {
+    /// Which objects, and whether the entry means each of them by itself.
+    objects: Vec<bool>,
+    each: bool,
+    materials: Vec<bool>,
+}
+
+impl Selection {
+    fn of(
+        entry: &LuminaireEntry,
+        objects: &[ShownAndGiven<'_>],
+        materials: &[ShownAndGiven<'_>],
+    ) -> Result<Self, String> {
+        let pick = |kind: &str, wanted: &mut dyn Iterator<Item = &str>, names: &[ShownAndGiven<'_>]| {
+            let mut chosen = None;
+            for name in wanted {
+                let found = meant(name, names).map_err(|several| {
+                    let (name, several) = (names::short(name), names::list(several));
+                    format!("asks for the {kind} '{name}', which could be any of {several}; write the name as it is")
+                })?;
+                if found.is_empty() {
+                    let near = names::list(names::nearest(name, names.iter().map(|(shown, _)| *shown)));
+                    let name = names::short(name);
+                    return Err(format!(
+                        "asks for the {kind} '{name}', which is not there; the nearest names are {near}"
+                    ));
+                }
+                let chosen = chosen.get_or_insert_with(|| vec![false; names.len()]);
+                found.into_iter().for_each(|index| chosen[index] = true);
+            }
+            Ok(chosen.unwrap_or_else(|| vec![true; names.len()]))
+        };
+        Ok(Self {
+            objects: pick("object", &mut entry.objects(), objects)?,
+            each: entry.object.is_some() && entry.objects.is_empty(),
+            materials: pick("material", &mut entry.materials(), materials)?,
+        })
     }
-    let object_hit: Vec<bool> = parts
-        .objects
-        .iter()
-        .map(|o| entry.objects().next().is_none() || entry.objects().any(|n| n == o))
-        .collect();
-    let material_hit: Vec<bool> = parts
-        .materials
-        .iter()
-        .map(|m| entry.materials().next().is_none() || entry.materials().any(|n| n == m.name))
-        .collect();
-    let selected: Vec<usize> = (0..surfaces.len())
-        .filter(|&i| object_hit[surfaces[i].object as usize] && material_hit[surfaces[i].material as usize])
-        .collect();
-    if selected.is_empty() {
+
+    fn holds(&self, surface: &Surface) -> bool {
+        let at = |list: &[bool], index: u32| list.get(index as usize).copied().unwrap_or(false);
+        at(&self.objects, surface.object) && at(&self.materials, surface.material)
+    }
+}
+
+fn shown_and_given<'a>(objects: &'a [String], given: &'a [String]) -> Vec<ShownAndGiven<'a>> {
+    objects.iter().map(String::as_str).zip(given.iter().map(String::as_str)).collect()
+}
+
+fn material_names(materials: &[Material]) -> Vec<ShownAndGiven<'_>> {
+    materials.iter().map(|material| (material.name.as_str(), material.name.as_str())).collect()
+}
+
+/// The lamps of an entry by their surfaces: of those selected and free the ones that emit, or all if none
+/// does. An entry for one `object` makes a lamp of each that has this name in the file.
+fn lamps_of(
+    entry: &LuminaireEntry,
+    parts: &Parts<'_>,
+    surfaces: &[Surface],
+) -> Result<Vec<Vec<usize>>, String> {
+    let objects = shown_and_given(parts.objects, parts.given_objects);
+    let selection = Selection::of(entry, &objects, &material_names(parts.materials))?;
+    let mut members: Vec<usize> = (0..surfaces.len()).filter(|&i| selection.holds(&surfaces[i])).collect();
+    if members.is_empty() {
         return Err("selects no surface: no face of that object has that material".to_owned());
     }
-    let free: Vec<usize> = selected.into_iter().filter(|&i| surfaces[i].luminaire.is_none()).collect();
-    if free.is_empty() {
+    members.retain(|&i| surfaces[i].luminaire.is_none());
+    if members.is_empty() {
         return Err("selects only surfaces that an entry above it has taken".to_owned());
     }
-    let emitting: Vec<usize> = free.iter().copied().filter(|&i| emits(parts, &surfaces[i])).collect();
-    Ok(if emitting.is_empty() { free } else { emitting })
+    if members.iter().any(|&i| emits(parts, &surfaces[i])) {
+        members.retain(|&i| emits(parts, &surfaces[i]));
+    }
+    if !selection.each {
+        return Ok(vec![members]);
+    }
+    let mut by_object: BTreeMap<u32, Vec<usize>> = BTreeMap::new();
+    for member in members {
+        by_object.entry(surfaces[member].object).or_default().push(member);
+    }
+    Ok(by_object.into_values().collect())
+}
+
+/// The lamps that the entries of a sidecar have made, as ranges of [`Scene::luminaires`]; `None` where the
+/// sidecar is not the one that the scene was read with.
+pub(super) fn lamps_of_entries(scene: &Scene, sidecar: &Sidecar) -> Option<Vec<Range<usize>>> {
+    let objects = shown_and_given(&scene.objects, &scene.given_objects);
+    let materials = material_names(&scene.materials);
+    let mut of_lamps: Vec<Vec<&Surface>> = vec![Vec::new(); scene.luminaires.len()];
+    for surface in &scene.surfaces {
+        if let Some(lamp) = surface.luminaire {
+            of_lamps.get_mut(lamp as usize)?.push(surface);
+        }
+    }
+    let mut ranges = Vec::new();
+    let mut next = 0;
+    for entry in &sidecar.luminaires {
+        let selection = Selection::of(entry.get_ref(), &objects, &materials).ok()?;
+        let start = next;
+        let mut seen = HashSet::new();
+        while let Some(surfaces) = of_lamps.get(next) {
+            let is_own = surfaces.iter().all(|surface| selection.holds(surface));
+            // Of an entry that makes several lamps each is another object.
+            let goes_on = next == start
+                || selection.each && surfaces.iter().all(|surface| !seen.contains(&surface.object));
+            if !is_own || !goes_on {
+                break;
+            }
+            seen.extend(surfaces.iter().map(|surface| surface.object));
+            next += 1;
+        }
+        if next == start {
+            return None;
+        }
+        ranges.push(start..next);
+    }
+    Some(ranges)
+}
+
+/// See [`Scene::luminaires_named`].
+pub(super) fn named(scene: &Scene, name: &str) -> Vec<usize> {
+    let lamps: Vec<ShownAndGiven<'_>> =
+        scene.luminaires.iter().map(|lamp| (lamp.name.as_str(), lamp.name.as_str())).collect();
+    // Names that could be several are those of all.
+    let all = |names: &[ShownAndGiven<'_>]| match meant(name, names) {
+        Ok(found) => found,
+        Err(several) => (0..names.len()).filter(|&index| several.contains(&names[index].1)).collect(),
+    };
+    let own = all(&lamps);
+    if !own.is_empty() {
+        return own;
+    }
+    let of_surfaces = |chosen: &dyn Fn(&Surface) -> bool| {
+        let surfaces = scene.surfaces.iter().filter(|surface| chosen(surface));
+        let lamps: BTreeSet<usize> =
+            surfaces.filter_map(|surface| surface.luminaire).map(|l| l as usize).collect();
+        lamps.into_iter().collect::<Vec<_>>()
+    };
+    let objects: HashSet<u32> =
+        all(&shown_and_given(&scene.objects, &scene.given_objects)).into_iter().map(|o| o as u32).collect();
+    let found = of_surfaces(&|surface| objects.contains(&surface.object));
+    if !found.is_empty() {
+        return found;
+    }
+    let materials: HashSet<u32> =
+        all(&material_names(&scene.materials)).into_iter().map(|m| m as u32).collect();
+    of_surfaces(&|surface| materials.contains(&surface.material))
 }
 
 /// Sets the emission of a lamp's surfaces and returns its state.
@@ -365,6 +510,60 @@ mod tests {
             LampState { on: false, dimmer: 0.5, exitance: [1.0, 2.0, 3.0] }
         );
         assert!(!back.surfaces[3].emits_back);
+    }
+
+    /// Two downlights of one name, the second with two faces, and a third whose name differs in capitals.
+    const SAME: &str = "mtllib m.mtl\nv 0 0 0\nv 1 0 0\nv 1 0 1\nv 0 0 1\nv 0 2 0\nv 1 2 0\nv 1 2 1\nv 0 2 1\n\
+        o floor\nusemtl white\nf 4 3 2 1\no spot\nusemtl bright\nf 5 6 7\no spot\nf 5 7 8\no Desk_Lamp\nusemtl dim\nf 1 2 6 5\n";
+
+    #[test]
+    fn objects_of_one_name_are_lamps_of_their_own() {
+        let read = |entry: &str| from_text("t", SAME, MTL, Some(&format!("[[luminaire]]\n{entry}"))).unwrap();
+        let names = |scene: &Scene| scene.luminaires.iter().map(|l| l.name.clone()).collect::<Vec<_>>();
+        let plain = from_text("t", SAME, MTL, None).unwrap();
+        assert_eq!(names(&plain), ["Spot 1", "Spot 2", "Desk Lamp"]);
+        let each = read("object = \"spot\"\nlumens = 800");
+        assert_eq!(names(&each), ["Spot 1", "Spot 2", "Desk Lamp"]);
+        assert!(lumens(&each)[..2].iter().all(|[full, _]| (full - 800.0).abs() < 1e-9));
+        assert!(each.findings.iter().any(|f| f.message.starts_with("2 objects are named 'spot'")));
+        assert_eq!(names(&read("object = \"spot\"\nname = \"Hall\"")), ["Hall 1", "Hall 2", "Desk Lamp"]);
+        let one = read("objects = [\"spot\"]\nlumens = 800");
+        assert_eq!(names(&one), ["Spot", "Desk Lamp"]);
+        assert!((lumens(&one)[0][0] - 800.0).abs() < 1e-9);
+        assert_eq!(names(&read("object = \"SPOT 2\"")), ["SPOT 2", "Spot 1", "Desk Lamp"]);
+        assert_eq!(names(&read("object = \"desk lamp\"\nname = \"D\"")), ["D", "Spot 1", "Spot 2"]);
+    }
+
+    #[test]
+    fn lamps_are_found_by_their_names_or_those_of_objects_and_materials() {
+        let scene =
+            from_text("t", SAME, MTL, Some("[[luminaire]]\nobject = \"Desk_Lamp\"\nname = \"Reader\""))
+                .unwrap();
+        for (name, expected) in [
+            ("Reader", vec![0]),
+            ("reader", vec![0]),
+            ("desk lamp", vec![0]),
+            ("spot_2", vec![2]),
+            ("Spot", vec![1, 2]),
+            ("BRIGHT", vec![1, 2]),
+            ("dim", vec![0]),
+            ("floor", vec![]),
+            ("nothing", vec![]),
+        ] {
+            assert_eq!(scene.luminaires_named(name), expected, "{name}");
+        }
+    }
+
+    #[test]
+    fn emission_on_everything_is_told_with_its_share() {
+        let told =
+            |scene: &Scene| scene.findings.iter().find(|f| f.message.contains("of the area emits")).cloned();
+        let all =
+            from_text("t", SAME, &MTL.replace("Kd 0.8 0.8 0.8", "Kd 0.8 0.8 0.8\nKe 1 1 1"), None).unwrap();
+        let finding = told(&all).unwrap();
+        assert!(finding.message.starts_with("100 % of the area") && finding.severity == Severity::Warning);
+        let sidecar = "[[luminaire]]\nmaterials = [\"bright\", \"dim\"]";
+        assert_eq!(told(&from_text("t", SAME, MTL, Some(sidecar)).unwrap()), None);
     }
 
     #[test]

@@ -1,9 +1,10 @@
 //! Edited lamps, materials and bookmarks written back to the sidecar.
 
 use super::error::SceneError;
-use super::luminaires::{selectors, selects};
+use super::luminaires::{lamps_of_entries, selectors};
 use super::sidecar::{LuminaireEntry, MaterialEntry, Sidecar, SidesKey, Source, UpKey, ViewEntry};
-use super::types::{LengthUnit, Lighting, Scene, Sides, UpAxis};
+use super::text;
+use super::types::{LampState, LengthUnit, Lighting, Luminaire, Scene, Sides, UpAxis};
 use std::io;
 use std::path::Path;
 use toml::Spanned;
@@ -48,24 +49,37 @@ pub fn sidecar_text(
         })
         .collect();
 
-    if sidecar.luminaires.len() > scene.luminaires.len() || !entries_fit(scene, &sidecar) {
-        return Err(stale());
-    }
-    let known = sidecar.luminaires.len();
-    for (objects, materials) in selectors(scene).into_iter().skip(known) {
-        sidecar.luminaires.push(unplaced(new_entry(objects, materials)));
-    }
-    for ((entry, luminaire), lamp) in
-        sidecar.luminaires.iter_mut().zip(&scene.luminaires).zip(&lighting.lamps)
-    {
-        let entry = entry.get_mut();
-        entry.name = Some(luminaire.name.clone());
-        entry.on = (!lamp.on).then_some(false);
-        entry.dimmer = (lamp.dimmer != 1.0).then_some(lamp.dimmer);
-        if lamp.exitance != luminaire.initial.exitance {
-            (entry.lumens, entry.colour, entry.cct) = (None, None, None);
-            entry.exitance = Some(lamp.exitance);
+    let made = lamps_of_entries(scene, &sidecar).ok_or_else(stale)?;
+    let known = made.last().map_or(0, |last| last.end);
+    let old = std::mem::take(&mut sidecar.luminaires);
+    let lamps: Vec<(&Luminaire, &LampState)> = scene.luminaires.iter().zip(&lighting.lamps).collect();
+    let selectors = selectors(scene);
+    for (entry, range) in old.into_iter().zip(made) {
+        let Some(own) = lamps.get(range.clone()) else { return Err(stale()) };
+        // An entry for several objects of one name stays one as long as their lamps are alike.
+        let is_alike = |lamp: &(&Luminaire, &LampState)| {
+            let (on, dimmer) = (own[0].1.on, own[0].1.dimmer);
+            is_unchanged(*lamp) && lamp.1.on == on && lamp.1.dimmer == dimmer
+        };
+        if own.len() > 1 && own.iter().all(is_alike) {
+            let mut entry = entry;
+            set_switch(entry.get_mut(), own[0].1);
+            sidecar.luminaires.push(entry);
+            continue;
         }
+        for (number, lamp) in range.zip(own) {
+            let mut entry = entry.clone();
+            if own.len() > 1 {
+                entry.get_mut().object = selectors[number].0.first().cloned();
+            }
+            set_lamp(entry.get_mut(), *lamp);
+            sidecar.luminaires.push(entry);
+        }
+    }
+    for ((objects, materials), lamp) in selectors.into_iter().zip(lamps).skip(known) {
+        let mut entry = new_entry(objects, materials);
+        set_lamp(&mut entry, lamp);
+        sidecar.luminaires.push(unplaced(entry));
     }
 
     for material in repainted.iter().filter_map(|&index| scene.materials.get(index as usize)) {
@@ -160,7 +174,7 @@ pub fn write_frame(path: &Path, unit: LengthUnit, up: UpAxis) -> Result<(), Scen
 /// The text of a file where there is one.
 fn existing(path: &Path) -> Result<Option<String>, SceneError> {
     match std::fs::read(path) {
-        Ok(bytes) => Ok(Some(String::from_utf8_lossy(&bytes).into_owned())),
+        Ok(bytes) => Ok(Some(text::decode(&bytes).into_owned())),
         Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(None),
         Err(error) => Err(SceneError::reading(path, &error)),
     }
@@ -185,15 +199,22 @@ fn unplaced<T>(value: T) -> Spanned<T> {
     Spanned::new(0..0, value)
 }
 
-/// Whether the n-th entry selects the surfaces of the n-th lamp, as it does right after reading.
-fn entries_fit(scene: &Scene, sidecar: &Sidecar) -> bool {
-    scene.surfaces.iter().all(|surface| {
-        let entry = surface.luminaire.and_then(|number| sidecar.luminaires.get(number as usize));
-        entry.is_none_or(|entry| {
-            let object = &scene.objects[surface.object as usize];
-            selects(entry.get_ref(), object, &scene.materials[surface.material as usize].name)
-        })
-    })
+fn is_unchanged((lamp, state): (&Luminaire, &LampState)) -> bool {
+    state.exitance == lamp.initial.exitance
+}
+
+fn set_switch(entry: &mut LuminaireEntry, state: &LampState) {
+    entry.on = (!state.on).then_some(false);
+    entry.dimmer = (state.dimmer != 1.0).then_some(state.dimmer);
+}
+
+fn set_lamp(entry: &mut LuminaireEntry, (lamp, state): (&Luminaire, &LampState)) {
+    entry.name = Some(lamp.name.clone());
+    set_switch(entry, state);
+    if !is_unchanged((lamp, state)) {
+        (entry.lumens, entry.colour, entry.cct) = (None, None, None);
+        entry.exitance = Some(state.exitance);
+    }
 }
 
 fn new_entry(mut objects: Vec<String>, mut materials: Vec<String>) -> LuminaireEntry {
