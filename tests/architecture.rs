@@ -37,6 +37,7 @@ const CRATES: &[(&str, &[&str])] = &[
     ("egui", &["ui"]),
     ("eframe", &["ui"]),
     ("egui_plot", &["ui"]),
+    ("egui_system_font_provider", &["ui"]),
     ("rfd", &["ui"]),
     ("clap", &["cli"]),
     ("anyhow", &["cli"]),

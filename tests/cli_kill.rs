@@ -68,6 +68,10 @@ fn a_killed_process_leaves_old_files_or_new_ones_and_no_halves() {
             replaced += i32::from(is_new);
         }
     }
+    // The next run clears what those left behind.
+    place.succeed(&arguments("picture.png"));
+    let left: Vec<String> = place.files().into_iter().filter(|name| name.starts_with('.')).collect();
+    assert!(left.is_empty(), "{left:?}");
     assert!(killed >= 5, "{killed} of 40 were still running when they were killed");
     assert!(replaced >= 1, "no run came as far as its files");
 }

@@ -268,3 +268,103 @@ fn the_plan_and_the_check_tell_about_the_scene() {
     let check = place.succeed(&["check", "room.obj"]);
     assert!(check.contains("Desk lamp") && check.contains("paint"), "{check}");
 }
+
+/// An output that can be opened and never written: a link to the full device.
+#[cfg(target_os = "linux")]
+fn put_full(place: &Workplace, name: &str) {
+    std::os::unix::fs::symlink("/dev/full", place.path(name)).unwrap();
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn an_output_that_fails_does_not_take_the_others_with_it() {
+    let place = Workplace::with_room(0.5);
+    place.put("p.csv", "300,0,400,0,1,0\n");
+    let outputs =
+        [("--image", "a.png"), ("--mesh", "a.ply"), ("--patch-table", "a.csv"), ("--irradiance", "o.csv")];
+    for (_, full) in outputs {
+        put_full(&place, full);
+        let mut arguments = vec!["solve", "room.obj", "--patches", "100", "--size", "64x48"];
+        arguments.extend(["--points", "p.csv", "--report", "a.json"]);
+        arguments.extend(outputs.iter().flat_map(|&(option, name)| [option, name]));
+        let output = place.run(&arguments);
+        let told = String::from_utf8_lossy(&output.stdout);
+        let complaint = String::from_utf8_lossy(&output.stderr);
+        assert_eq!(output.status.code(), Some(1), "{complaint}");
+        assert!(complaint.contains(full) && complaint.contains("disk is full"), "{full}: {complaint}");
+        assert!(!told.contains(&format!("wrote {full}")), "{told}");
+        std::fs::remove_file(place.path(full)).unwrap();
+        for name in outputs.iter().map(|o| o.1).filter(|&name| name != full).chain(["a.json"]) {
+            assert!(told.contains(&format!("wrote {name}")), "{full} fails, and {name} is lost: {told}");
+            std::fs::remove_file(place.path(name)).unwrap();
+        }
+    }
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn every_output_that_fails_is_told() {
+    let place = Workplace::with_room(0.5);
+    ["a.png", "a.csv", "a.json"].iter().for_each(|name| put_full(&place, name));
+    let output = place.run(&[
+        "solve",
+        "room.obj",
+        "--patches",
+        "100",
+        "--size",
+        "64x48",
+        "--image",
+        "a.png",
+        "--patch-table",
+        "a.csv",
+        "--report",
+        "a.json",
+        "--mesh",
+        "a.ply",
+    ]);
+    let complaint = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(1));
+    assert!(["a.png", "a.csv", "a.json"].iter().all(|name| complaint.contains(name)), "{complaint}");
+    assert!(String::from_utf8_lossy(&output.stdout).contains("wrote a.ply"));
+}
+
+#[test]
+fn temporary_files_of_killed_runs_are_cleared_and_those_of_others_stay() {
+    let place = Workplace::with_room(0.5);
+    place.put(".a.csv.lumenwalk-4000000-0.tmp", "half of a table");
+    place.put(".old.png.lumenwalk-4000000-3.tmp", "half of a picture");
+    place.put(".a.csv.tmp", "of another program");
+    place.put(".b.csv.lumenwalk-4000000-1.tmp", "of a run that is still writing");
+    let held = std::fs::File::open(place.path(".b.csv.lumenwalk-4000000-1.tmp")).unwrap();
+    held.lock().unwrap();
+    place.succeed(&["solve", "room.obj", "--patches", "100", "--patch-table", "a.csv"]);
+    let hidden: Vec<String> = place.files().into_iter().filter(|name| name.starts_with('.')).collect();
+    assert_eq!(hidden, [".a.csv.tmp", ".b.csv.lumenwalk-4000000-1.tmp"]);
+}
+
+#[test]
+fn points_are_told_with_their_estimated_error() {
+    let place = Workplace::with_room(0.6);
+    place.put("p.csv", "300,0,400,0,1,0\n0,900,1000,1,0,0\n1000,0,1000,0,1,0\n");
+    let told = place.succeed(&[
+        "solve",
+        "room.obj",
+        "--patches",
+        "200",
+        "--points",
+        "p.csv",
+        "--irradiance",
+        "o.csv",
+        "--report",
+        "o.json",
+    ]);
+    let (lux, error) = (column(&place.text("o.csv"), "lux"), column(&place.text("o.csv"), "lux_error"));
+    let relative: Vec<f64> = lux.iter().zip(&error).map(|(lux, error)| error / lux).collect();
+    assert!(relative.iter().all(|e| (1e-5..0.1).contains(e)), "{relative:?}");
+    let line = told.lines().find(|line| line.starts_with("illuminance at 3 points: estimated error median"));
+    assert!(line.is_some_and(|line| line.contains("largest") && line.contains("(point ")), "{told}");
+    let report = place.text("o.json");
+    assert_eq!(json(&report, &["points", "count"]), 3.0);
+    let largest = relative.iter().copied().fold(0.0, f64::max);
+    assert!((json(&report, &["points", "largest_error_percent"]) / 100.0 - largest).abs() < 1e-6);
+}

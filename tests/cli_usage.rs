@@ -38,6 +38,8 @@ fn help_names_every_command_and_option() {
         "--threads",
         "--with",
         "--without",
+        "--unit",
+        "--up",
     ];
     let help = place.succeed(&["solve", "--help"]);
     for option in options {
@@ -46,6 +48,10 @@ fn help_names_every_command_and_option() {
     assert!(place.succeed(&["scenes", "--help"]).contains("--export"));
     assert!(place.succeed(&["plan", "--help"]).contains("--without"));
     assert!(place.succeed(&["check", "--help"]).contains("SCENE"));
+    for command in [&["check"][..], &["plan"], &["accuracy"], &[]] {
+        let help = place.succeed(&[command, &["--help"]].concat());
+        assert!(help.contains("--unit") && help.contains("--up"), "{command:?}:\n{help}");
+    }
     assert!(place.succeed(&["--version"]).contains(env!("CARGO_PKG_VERSION")));
 }
 
@@ -229,4 +235,42 @@ fn a_repaired_copy_is_told_and_the_model_is_refused_as_its_place() {
     let said = place.fail(1, &["check", "room.obj", "--repair", "nowhere/copy.obj"]);
     assert!(said.contains("folder does not exist"), "{said}");
     assert_eq!(place.text("room.obj"), model);
+}
+
+#[test]
+fn unit_and_axis_are_chosen_on_the_command_line_over_the_sidecar() {
+    let place = Workplace::with_room(0.5);
+    let told = place.succeed(&["check", "room.obj"]);
+    assert!(told.contains("2.000 x 2.000 x 2.000 m, y up"), "{told}");
+    let told = place.succeed(&["check", "room.obj", "--unit", "cm", "--up", "z"]);
+    assert!(told.contains("20.000 x 20.000 x 20.000 m, z up"), "{told}");
+    assert!(place.text("room.toml").starts_with("unit = \"mm\""), "the sidecar stays as it is");
+    assert!(place.fail(2, &["check", "builtin:cornell", "--up", "z"]).contains("embedded scenes"));
+    for wrong in [["--unit", "ell"], ["--up", "x"]] {
+        assert_eq!(place.run(&["check", "room.obj", wrong[0], wrong[1]]).status.code(), Some(2));
+    }
+}
+
+#[test]
+fn a_model_on_its_side_is_noticed_wherever_it_is_read() {
+    let place = Workplace::with_room(0.5);
+    let turned = |line: &str| match line.strip_prefix("v ") {
+        Some(rest) => {
+            let [x, y, z] = [0, 1, 2].map(|k| rest.split(' ').nth(k).unwrap());
+            format!("v {x} -{z} {y}\n")
+        }
+        None => format!("{line}\n"),
+    };
+    place.put("side.obj", &place.text("room.obj").lines().map(turned).collect::<String>());
+    let stderr = |arguments: &[&str]| String::from_utf8(place.run(arguments).stderr).unwrap();
+    let solve = ["solve", "side.obj", "--patches", "50", "--resolution", "8"];
+    for command in [&solve[..], &["plan", "side.obj"]] {
+        let told = stderr(command);
+        for words in ["lie on its side", "--up z", "rooms are 2000 m high", "--unit mm"] {
+            assert_eq!(told.matches(words).count(), 1, "{words}: {told}");
+        }
+    }
+    let told = place.run(&["check", "side.obj"]).stdout;
+    assert!(String::from_utf8(told).unwrap().contains("lie on its side"));
+    assert_eq!(stderr(&[&solve[..], &["--up", "z", "--unit", "mm"]].concat()), "");
 }

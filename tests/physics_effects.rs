@@ -4,10 +4,14 @@ mod common;
 
 use common::{Model, builtin, lines, room_with_blocks, solved, with_effects};
 use glam::{DVec3, dvec3};
+use lumenwalk::accuracy::{Answer, Audit, AuditSettings};
+use lumenwalk::display::DisplayMesh;
 use lumenwalk::effects::{Effect, EffectChoices, EffectState, plan};
 use lumenwalk::mesh::{MeshSettings, PatchTarget, build};
 use lumenwalk::scene::Scene;
 use lumenwalk::session::{SolveSettings, Solved, prepare};
+use lumenwalk::solver::patch_emission;
+use lumenwalk::study;
 use std::sync::Arc;
 
 fn forced(with: &[Effect], without: &[Effect]) -> EffectChoices {
@@ -161,4 +165,39 @@ fn what_an_effect_costs_is_measured_where_it_is_on() {
     assert!(visibility > 0.0 && visibility < with.timings.rows, "{visibility} of {}", with.timings.rows);
     let without = solved(&convex_room([1.0; 3], [0.5; 3]), &lines(PatchTarget::Count(300)));
     assert_eq!(cost(&without, Effect::Visibility), None, "what is off takes nothing");
+}
+
+#[test]
+fn without_smooth_surfaces_the_audit_checks_the_faceted_picture() {
+    let scene = builtin("gallery");
+    let settings = |without: &[Effect]| with_effects(PatchTarget::Count(900), forced(&[], without));
+    let asked = AuditSettings {
+        seconds: f64::INFINITY,
+        receivers: 128,
+        resolve: 0.02,
+        local_noise: 1.0,
+        ..AuditSettings::default()
+    };
+    let lighting = scene.lighting();
+    let by_plan = |solved: &Solved| study::audit(solved, &lighting, &asked, &|| false).expect("lit").budget;
+    let by_hand = |solved: &Solved, smooth: bool| {
+        let mesh = &solved.mesh;
+        let light = solved.light(&lighting);
+        let display = DisplayMesh::build(mesh, &solved.scene, smooth);
+        let exitance: Vec<[f32; 3]> = mesh.patches.iter().map(|p| patch_emission(p, &lighting)).collect();
+        let answer = Answer {
+            mesh,
+            form_factors: &solved.form_factors,
+            light: &light,
+            exitance: &exitance,
+            reflectance: &solved.reflectance,
+            shown: &study::shown(mesh, &display, &light.irradiance),
+        };
+        Audit::new(answer).expect("lit").run(&asked, &|| false).expect("lit").budget
+    };
+    let (smooth, faceted) =
+        (solved(&scene, &settings(&[])), solved(&scene, &settings(&[Effect::SmoothSurfaces])));
+    assert_eq!(by_plan(&smooth).mesh, by_hand(&smooth, true).mesh);
+    assert_eq!(by_plan(&faceted).mesh, by_hand(&faceted, false).mesh);
+    assert_ne!(by_plan(&faceted).mesh, by_hand(&faceted, true).mesh, "the gallery has curved surfaces");
 }

@@ -171,6 +171,12 @@ impl<'a> Witness<'a> {
         parts.sum()
     }
 
+    /// Whether the side of a triangle that a ray in this direction meets can be seen.
+    fn is_shown(&self, triangle: u32, direction: DVec3) -> bool {
+        let piece = &self.mesh.pieces[self.pieces[triangle as usize] as usize];
+        !(piece.backed && self.mesh.regions[piece.region as usize].frame.normal.dot(direction) > 0.0)
+    }
+
     fn triangles_of(&self, patch: u32) -> &[(u32, f64)] {
         let p = patch as usize;
         &self.patch_triangles[self.starts[p] as usize..self.starts[p + 1] as usize]
@@ -189,15 +195,19 @@ impl<'a> Witness<'a> {
     /// How likely each lamp is to be looked at from a patch: by what it would give unhindered.
     pub fn lamp_choice(&self, patch: u32) -> LampChoice {
         let receiver = &self.mesh.patches[patch as usize];
+        self.lamp_choice_at(receiver.centre, receiver.normal, receiver.radius)
+    }
+
+    /// As [`Self::lamp_choice`], from anywhere within `radius` of a point with a unit normal, metres.
+    pub fn lamp_choice_at(&self, centre: DVec3, normal: DVec3, radius: f64) -> LampChoice {
         let share = |&(lamp, power): &(u32, f64)| {
             let lamp = &self.mesh.patches[lamp as usize];
-            let way = lamp.centre - receiver.centre;
-            let reach = receiver.radius + lamp.radius;
+            let way = lamp.centre - centre;
+            let reach = radius + lamp.radius;
             let distance2 = way.length_squared().max(reach * reach).max(f64::MIN_POSITIVE);
             let slack = reach / distance2.sqrt();
             let way = way / distance2.sqrt();
-            power * (receiver.normal.dot(way) + slack).max(0.0) * (slack - lamp.normal.dot(way)).max(0.0)
-                / distance2
+            power * (normal.dot(way) + slack).max(0.0) * (slack - lamp.normal.dot(way)).max(0.0) / distance2
         };
         let shares: Vec<f64> = self.lamps.iter().map(share).collect();
         let all = shares.iter().sum::<f64>();
@@ -227,11 +237,37 @@ impl<'a> Witness<'a> {
         seed: u64,
     ) -> Gathered {
         let normal = self.mesh.patches[patch as usize].normal;
+        match receiver {
+            Receiver::Point(point) => self.gather_at(point, normal, choice, rays, seed),
+            Receiver::Whole => {
+                let origin = |u: [f64; 4]| self.point_on(patch, u[2], u[3]).0;
+                self.gather_from(normal, origin, choice, rays, seed)
+            }
+        }
+    }
+
+    /// As [`Self::gather`], at a point with a unit normal; metres.
+    pub fn gather_at(
+        &self,
+        point: DVec3,
+        normal: DVec3,
+        choice: &LampChoice,
+        rays: u32,
+        seed: u64,
+    ) -> Gathered {
+        self.gather_from(normal, |_| point, choice, rays, seed)
+    }
+
+    /// Each ray starts where `start` says for its four numbers in 0..1.
+    fn gather_from(
+        &self,
+        normal: DVec3,
+        start: impl Fn([f64; 4]) -> DVec3,
+        choice: &LampChoice,
+        rays: u32,
+        seed: u64,
+    ) -> Gathered {
         let frame = Frame::around(normal);
-        let side = |index: [f64; 4]| match receiver {
-            Receiver::Point(point) => point,
-            Receiver::Whole => self.point_on(patch, index[2], index[3]).0,
-        };
         let to_lamps = if self.lamps.is_empty() { 0 } else { (rays / 4).max(16) };
         let density = |lamp: u32, g: f64| {
             // Both ways of sampling share what a lamp gives, in proportion to their densities.
@@ -246,11 +282,13 @@ impl<'a> Witness<'a> {
         let each = 1.0 / f64::from(rays.max(1));
         for k in 0..rays {
             let u = sequence.point(k);
-            let origin = side(u);
+            let origin = start(u);
             let (radius, phi) = (u[0].sqrt(), TAU * u[1]);
             let cosine = (1.0 - u[0]).sqrt();
             let direction = frame.world(DVec3::new(radius * phi.cos(), radius * phi.sin(), cosine));
-            let Some(hit) = self.bvh.nearest(&Ray { origin, direction }, self.offset, f64::INFINITY) else {
+            let ray = Ray { origin, direction };
+            let is_shown = |triangle: u32| self.is_shown(triangle, direction);
+            let Some(hit) = self.bvh.nearest_where(&ray, self.offset, f64::INFINITY, is_shown) else {
                 continue;
             };
             let piece = &self.mesh.pieces[self.pieces[hit.triangle as usize] as usize];
@@ -277,7 +315,7 @@ impl<'a> Witness<'a> {
         let sequence = Sobol::new(seed ^ 0x5851_F42D_4C95_7F2D);
         for k in 0..to_lamps {
             let u = sequence.point(k);
-            let origin = side(u);
+            let origin = start(u);
             let at = choice.list.partition_point(|l| l.1 <= u[0]).min(choice.list.len() - 1);
             let (share, end) = choice.list[at];
             let r = ((u[0] - (end - share)) / share).clamp(0.0, 1.0 - 1e-12);
@@ -292,7 +330,8 @@ impl<'a> Witness<'a> {
             }
             let distance = distance2.sqrt();
             let ray = Ray { origin, direction: way / distance };
-            if self.bvh.occluded(&ray, self.offset, distance - self.offset) {
+            let is_shown = |triangle: u32| self.is_shown(triangle, ray.direction);
+            if self.bvh.occluded_where(&ray, self.offset, distance - self.offset, is_shown) {
                 continue;
             }
             let g = cosines / (PI * distance2 * distance2);

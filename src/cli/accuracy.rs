@@ -1,6 +1,6 @@
 use super::budget::percent;
 use super::failure::Failure;
-use super::options::EffectOptions;
+use super::options::{EffectOptions, FrameOptions};
 use super::progress::ProgressLine;
 use super::{budget, solve, text};
 use crate::form_factors::ReceivingPoints;
@@ -21,6 +21,8 @@ pub(super) struct Arguments {
     /// An OBJ file, or builtin:NAME
     #[arg(value_name = "SCENE")]
     scene: String,
+    #[command(flatten)]
+    frame: FrameOptions,
     /// Folder for the table and the charts; made where it is missing
     #[arg(long, value_name = "DIR")]
     out: PathBuf,
@@ -35,7 +37,7 @@ pub(super) struct Arguments {
 pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
     let started = Instant::now();
     super::options::set_threads(arguments.threads)?;
-    let scene = solve::load(&arguments.scene)?;
+    let scene = solve::load(&arguments.scene, &arguments.frame)?;
     let lighting = scene.lighting();
     std::fs::create_dir_all(&arguments.out).map_err(|error| {
         Failure::work(anyhow::Error::new(error).context(format!("cannot make {}", arguments.out.display())))

@@ -1,9 +1,10 @@
 use super::failure::Failure;
+use super::options::FrameOptions;
 use super::report::severity_name;
 use super::text;
 use crate::mesh::{self, MeshSettings};
 use crate::outputs::save_repaired;
-use crate::scene::{self, Crossing, Finding, Scene, SceneSource, Severity, Summary};
+use crate::scene::{self, Crossing, Finding, Scene, Severity, Summary};
 use clap::Args;
 use std::path::{Path, PathBuf};
 
@@ -18,13 +19,15 @@ pub(super) struct Arguments {
     /// An OBJ file, or builtin:NAME
     #[arg(value_name = "SCENE")]
     scene: String,
+    #[command(flatten)]
+    frame: FrameOptions,
     /// Write a mended copy, with its MTL and sidecar beside it; the model itself stays as it is
     #[arg(long, value_name = "OUT.obj")]
     repair: Option<PathBuf>,
 }
 
 pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
-    let scene = scene::load(&SceneSource::from(arguments.scene.as_str()))?;
+    let scene = scene::load(&arguments.frame.source(&arguments.scene)?)?;
     let mut findings = scene.findings.clone();
     let examination = scene::examine(&scene);
     findings.extend(examination.findings);

@@ -12,6 +12,7 @@ mod lamps;
 mod options;
 mod picture;
 mod plan;
+mod points;
 mod progress;
 mod report;
 mod scenes;
@@ -20,6 +21,7 @@ mod text;
 mod tour;
 mod validate;
 mod window;
+mod written;
 
 use clap::{Parser, Subcommand};
 use std::process::ExitCode;

@@ -2,7 +2,7 @@ use super::failure::Failure;
 use crate::effects::{Effect, EffectChoices};
 use crate::form_factors::{Method, ReceivingPoints};
 use crate::mesh::PatchTarget;
-use crate::scene::LengthUnit;
+use crate::scene::{FrameChoice, LengthUnit, SceneSource, UpAxis};
 use crate::session::SolveSettings;
 use clap::Args;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
@@ -35,6 +35,29 @@ impl PatchOptions {
             (None, Some(count)) => PatchTarget::Count(count as usize),
             (None, None) => PatchTarget::Auto,
         }
+    }
+}
+
+/// How the file of a scene is to be read.
+#[derive(Args, Clone, Copy, Debug, Default)]
+pub(super) struct FrameOptions {
+    /// Unit of the scene's file, over its sidecar: mm, cm, m, in or ft
+    #[arg(long, value_name = "UNIT", value_parser = units())]
+    pub(super) unit: Option<LengthUnit>,
+    /// Axis of the scene's file that points up, over its sidecar
+    #[arg(long, value_name = "AXIS", value_parser = axes())]
+    pub(super) up: Option<UpAxis>,
+}
+
+impl FrameOptions {
+    /// The scene of this name, to be read so.
+    pub(super) fn source(&self, name: &str) -> Result<SceneSource, Failure> {
+        let source = SceneSource::from(name);
+        let choice = FrameChoice { unit: self.unit, up: self.up };
+        if source.path().is_none() && choice != FrameChoice::default() {
+            return Err(Failure::input("--unit and --up are for files; embedded scenes know theirs"));
+        }
+        Ok(source.framed(choice))
     }
 }
 
@@ -118,6 +141,15 @@ pub(super) fn set_threads(threads: Option<u16>) -> Result<(), Failure> {
         .num_threads(usize::from(threads))
         .build_global()
         .map_err(|error| Failure::work(anyhow::Error::new(error).context("cannot start the threads")))
+}
+
+fn units() -> impl TypedValueParser<Value = LengthUnit> {
+    PossibleValuesParser::new(LengthUnit::ALL.map(LengthUnit::symbol))
+        .map(|symbol| LengthUnit::ALL.into_iter().find(|unit| unit.symbol() == symbol).unwrap_or_default())
+}
+
+fn axes() -> impl TypedValueParser<Value = UpAxis> {
+    PossibleValuesParser::new(["y", "z"]).map(|axis| if axis == "z" { UpAxis::Z } else { UpAxis::Y })
 }
 
 fn methods() -> impl TypedValueParser<Value = Method> {

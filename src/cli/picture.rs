@@ -131,6 +131,7 @@ impl<'a> Studio<'a> {
         let areas: Vec<(usize, f64)> =
             self.solved.mesh.patches.iter().map(|patch| patch.area).enumerate().collect();
         let exposure = self.exposure(&areas).unwrap_or_default();
-        save_lit_mesh(path, &self.mesh, self.light, Shading::Gouraud, exposure, ToneMap::default())
+        let origin = self.solved.scene.origin;
+        save_lit_mesh(path, &self.mesh, origin, self.light, Shading::Gouraud, exposure, ToneMap::default())
     }
 }

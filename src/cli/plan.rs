@@ -1,5 +1,5 @@
 use super::failure::Failure;
-use super::options::{EffectOptions, PatchOptions};
+use super::options::{EffectOptions, FrameOptions, PatchOptions};
 use super::{solve, text};
 use crate::effects::{EffectPlan, EffectState};
 use crate::session::{self, SolveSettings};
@@ -12,6 +12,8 @@ pub(super) struct Arguments {
     #[arg(value_name = "SCENE")]
     scene: String,
     #[command(flatten)]
+    frame: FrameOptions,
+    #[command(flatten)]
     patches: PatchOptions,
     #[command(flatten)]
     effects: EffectOptions,
@@ -19,7 +21,7 @@ pub(super) struct Arguments {
 
 pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
     let effects = arguments.effects.choices()?;
-    let scene = solve::load(&arguments.scene)?;
+    let scene = solve::load(&arguments.scene, &arguments.frame)?;
     let patches = arguments.patches.target(scene.unit);
     let settings = SolveSettings { patches, effects, ..SolveSettings::default() };
     let prepared = session::prepare(scene, &settings)?;

@@ -116,6 +116,7 @@ pub(super) fn report(
         }),
         power_as_switched: power(&solved.mesh, lighting, light, &solved.reflectance),
         accuracy: None,
+        points: None,
         peak_memory_bytes: peak_memory_bytes(),
         outputs,
     }
@@ -126,7 +127,7 @@ fn scene(scene: &Scene, lighting: &Lighting) -> SceneReport {
         name: scene.name.clone(),
         source: scene.source.to_string(),
         unit: scene.unit.symbol(),
-        extent_m: scene.bounds().size().to_array(),
+        extent_m: scene.extent().main.size().to_array(),
         surfaces: scene.surfaces.len(),
         objects: scene.objects.len(),
         textures: scene.textures.len(),

@@ -1,16 +1,19 @@
 use super::budget;
 use super::failure::Failure;
 use super::lamps;
-use super::options::{self, SolveOptions};
+use super::options::{self, FrameOptions, SolveOptions};
 use super::picture::{self, Studio};
+use super::points;
 use super::progress::ProgressLine;
 use super::report::{self, OwnTimings};
 use super::text;
 use super::tour::{self, FrameFolder};
+use super::written::Written;
 use crate::display::{DisplayMesh, Shading};
-use crate::export::{self, ExportError, SurfacePoint, atomic, read_points, write_irradiance};
+use crate::effects::Effect;
+use crate::export::{self, atomic, read_points};
 use crate::outputs::{LitScene, StillKind, save_patch_table};
-use crate::scene::{self, Lighting, Scene, SceneSource, Severity, View, illuminance};
+use crate::scene::{self, Lighting, Scene, Severity, View};
 use crate::session::{self, Control, Progress, SolveSettings, Solved};
 use crate::solver::PatchLight;
 use crate::study::Goal;
@@ -28,6 +31,8 @@ pub(super) struct Arguments {
     /// An OBJ file, or builtin:NAME
     #[arg(value_name = "SCENE")]
     scene: String,
+    #[command(flatten)]
+    frame: FrameOptions,
     #[command(flatten)]
     options: SolveOptions,
     /// Switch this lamp on (may be repeated)
@@ -125,27 +130,29 @@ impl Arguments {
         self.tour.as_deref().map(|folder| FrameFolder::ready(folder, scene, fps)).transpose()
     }
 
+    /// Whether the tour was written.
     fn write_pictures(
         &self,
         studio: &Studio<'_>,
         kind: Option<StillKind>,
         view: &View,
         tour: Option<&FrameFolder>,
-    ) -> Result<(), Failure> {
+        written: &mut Written,
+    ) -> bool {
         let size = self.size.unwrap_or(picture::DEFAULT_SIZE);
         if let (Some(path), Some(kind)) = (&self.image, kind) {
-            studio.write_view(path, kind, view, size)?;
+            written.note(path, studio.write_view(path, kind, view, size));
         }
         if let Some(path) = &self.mesh {
-            studio.write_mesh(path)?;
+            written.note(path, studio.write_mesh(path));
         }
-        tour.map_or(Ok(()), |tour| tour.write(studio, size))
+        tour.is_some_and(|tour| written.check(tour.write(studio, size)).is_some())
     }
 
     fn view(&self, scene: &Scene) -> Result<View, Failure> {
         let mut view = match (self.eye, self.target, &self.view) {
             (Some(eye), Some(target), _) => {
-                let [eye, target] = [eye, target].map(|place| place * scene.unit.metres());
+                let [eye, target] = [eye, target].map(|place| scene.in_scene(place));
                 if eye.distance_squared(target) < 1e-18 {
                     return Err(Failure::input("--eye and --target are the same place"));
                 }
@@ -168,7 +175,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
     let start = Instant::now();
     let kind = arguments.image.as_deref().map(picture::kind_of).transpose()?;
     arguments.options.set_threads()?;
-    let scene = load(&arguments.scene)?;
+    let scene = load(&arguments.scene, &arguments.frame)?;
     let load_seconds = start.elapsed().as_secs_f64();
     let settings = arguments.options.settings(scene.unit)?;
     let lighting = lamps::lighting(&scene, &arguments.on, &arguments.off, &arguments.dim)?;
@@ -193,10 +200,12 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
         None => arguments.audit.then(|| budget::audit(&solved, &lighting)).flatten(),
     };
     let outputs_start = Instant::now();
+    let mut written = Written::default();
+    let mut has_toured = false;
     let pictures = arguments.image.is_some() || arguments.tour.is_some() || arguments.mesh.is_some();
     if pictures {
         let studio = Studio::new(&solved, &lighting, &light);
-        arguments.write_pictures(&studio, kind, &view, tour.as_ref())?;
+        has_toured = arguments.write_pictures(&studio, kind, &view, tour.as_ref(), &mut written);
     }
     if let Some(path) = &arguments.patch_table {
         let lit = LitScene {
@@ -206,23 +215,23 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
             light: &light,
             reflectance: &solved.reflectance,
         };
-        save_patch_table(path, &lit)?;
+        written.note(path, save_patch_table(path, &lit));
     }
-    if let (Some(points), Some(path)) = (&points, &arguments.irradiance) {
-        let unit = solved.scene.unit.metres();
-        gather(path, points, unit, |places| solved.irradiance_at(places, &light))?;
+    let gathered = points.as_ref().map(|points| points::gather(points, &solved, &lighting, &light));
+    if let (Some(points), Some(gathered), Some(path)) = (&points, &gathered, &arguments.irradiance) {
+        written.note(path, gathered.write(path, points));
     }
     if let Some(path) = &arguments.report {
         let [outputs, total] = [outputs_start, start].map(|since| since.elapsed().as_secs_f64());
         // What is only done to be timed belongs to neither.
         let display = display_seconds(&solved, &lighting);
         let own = OwnTimings { load: load_seconds, display, outputs, total };
-        let others = arguments.outputs().filter(|other| other != path).map(|o| o.display().to_string());
         let accuracy = audited
             .map(|found| budget::report(&found, &solved.scene, &solved.timings, goal.zip(reached.as_ref())));
-        let mut report = report::report(&solved, &settings, &lighting, &light, own, others.collect());
+        let mut report = report::report(&solved, &settings, &lighting, &light, own, written.files().to_vec());
         report.accuracy = accuracy;
-        export::write_report(path, &report)?;
+        report.points = gathered.as_ref().map(points::Gathered::report);
+        written.note(path, export::write_report(path, &report));
     }
     let mut told = summary(&solved, &settings, solve_seconds);
     if let Some(found) = &audited {
@@ -231,19 +240,23 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
     if let Some(reached) = &reached {
         told += &budget::verdict_lines(reached);
     }
-    for output in arguments.outputs() {
-        told += &format!("wrote {}\n", output.display());
+    if let Some(gathered) = &gathered {
+        told += &gathered.told();
     }
-    if let Some(tour) = &tour {
+    for output in written.files() {
+        told += &format!("wrote {output}\n");
+    }
+    if let Some(tour) = tour.filter(|_| has_toured) {
         told += &tour.told();
     }
-    text::print(&told)
+    text::print(&told)?;
+    written.end()
 }
 
 /// Loads a scene and says on standard error what is doubtful about it.
-pub(super) fn load(name: &str) -> Result<Arc<Scene>, Failure> {
+pub(super) fn load(name: &str, frame: &FrameOptions) -> Result<Arc<Scene>, Failure> {
     const SHOWN: usize = 12;
-    let scene = scene::load(&SceneSource::from(name))?;
+    let scene = scene::load(&frame.source(name)?)?;
     let doubts: Vec<_> = scene.findings.iter().filter(|f| f.severity >= Severity::Warning).collect();
     for finding in doubts.iter().take(SHOWN) {
         text::complain(&format!("{}: {}", report::severity_name(finding.severity), finding.message));
@@ -304,46 +317,11 @@ pub(super) fn summary(solved: &Solved, settings: &SolveSettings, seconds: f64) -
 
 /// Seconds that it takes from the lamps' bases to the smoothly shaded corners.
 fn display_seconds(solved: &Solved, lighting: &Lighting) -> f64 {
-    let display = DisplayMesh::build(&solved.mesh, &solved.scene, true);
+    let display = DisplayMesh::build(&solved.mesh, &solved.scene, solved.plan.is_on(Effect::SmoothSurfaces));
     let clock = Instant::now();
     let light = solved.light(lighting);
     std::hint::black_box(light.power(&solved.mesh, &solved.reflectance));
     let corners = display.corner_radiosity(&light.radiosity, &light.irradiance, Shading::Gouraud);
     std::hint::black_box(corners);
     clock.elapsed().as_secs_f64()
-}
-
-/// Gathers at points given in units of `unit` metres; `irradiance_at` takes positions in metres
-/// with unit normals and answers in W/m² per band.
-fn gather(
-    path: &Path,
-    points: &[SurfacePoint],
-    unit: f64,
-    irradiance_at: impl FnOnce(&[(DVec3, DVec3)]) -> Vec<[f64; 3]>,
-) -> Result<(), ExportError> {
-    let places: Vec<(DVec3, DVec3)> =
-        points.iter().map(|point| (point.position * unit, point.normal)).collect();
-    write_irradiance(path, points, &irradiance_at(&places), illuminance)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn points_are_gathered_in_metres_and_written_in_the_unit_of_the_file() {
-        let folder = tempfile::tempdir().unwrap();
-        let path = folder.path().join("out.csv");
-        let points = [SurfacePoint { position: DVec3::new(1000.0, 0.0, 500.0), normal: DVec3::Z }];
-        gather(&path, &points, 0.001, |places| {
-            assert!((places[0].0 - DVec3::new(1.0, 0.0, 0.5)).length() < 1e-12);
-            vec![[1.0, 1.0, 1.0]]
-        })
-        .unwrap();
-        let text = std::fs::read_to_string(&path).unwrap();
-        let line = text.lines().nth(1).unwrap();
-        assert!(line.starts_with("1000,0,500,0,0,1,1,1,1,"), "{line}");
-        let lux: f64 = line.rsplit(',').next().unwrap().parse().unwrap();
-        assert!((lux - 179.0).abs() < 1e-9, "{lux}");
-    }
 }

@@ -35,11 +35,12 @@ impl FrameFolder {
     /// Fewer than two bookmarks, a folder that cannot be made or written to, or one that holds frames
     /// of a longer tour: they would look like the end of this one.
     pub(super) fn ready(folder: &Path, scene: &Scene, fps: f64) -> Result<Self, Failure> {
-        let (up, bounds) = (scene.up.vector(), scene.bounds());
+        let extent = scene.extent();
+        let (up, bounds) = (scene.up.vector(), extent.main);
         let height = bounds.size().dot(up).abs();
         let eyes: Vec<_> = scene.views.iter().map(|view| view.eye).collect();
-        let space = FreeSpace::new(&scene.triangles(), &eyes, up, person_scale(height));
-        let pace = walking_pace(height, bounds.diagonal());
+        let space = FreeSpace::new(&scene.main_triangles(&extent), &eyes, up, person_scale(height));
+        let pace = walking_pace(height, extent.scale);
         let tour = Tour::walk(&scene.views, up, pace, &space).ok_or_else(|| {
             Failure::input(format!(
                 "a tour needs two bookmarks at least, and {} has {}",

@@ -1,5 +1,5 @@
 use super::failure::Failure;
-use super::options::SolveOptions;
+use super::options::{FrameOptions, SolveOptions};
 use super::picture::{self, Studio};
 use super::{solve, text};
 use crate::export::atomic;
@@ -18,13 +18,15 @@ pub(super) struct Arguments {
     #[arg(value_name = "SCENE")]
     scene: Option<String>,
     #[command(flatten)]
+    frame: FrameOptions,
+    #[command(flatten)]
     options: SolveOptions,
 }
 
 /// Opens the window; where there can be none, solves and writes a picture instead.
 pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
     let name = arguments.scene.as_deref().unwrap_or(DEFAULT_SCENE);
-    let source = SceneSource::from(name);
+    let source = arguments.frame.source(name)?;
     refuse_what_is_not_there(&source)?;
     arguments.options.set_threads()?;
     // The window reads the scene itself; here it is wanted for its unit alone.
@@ -39,7 +41,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
                 "no window can be opened here ({}), so the scene is solved without one",
                 plain(&reason)
             ));
-            headless(name, &arguments.options)
+            headless(name, arguments)
         }
         Err(other) => Err(Failure::work(other)),
     }
@@ -48,7 +50,9 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
 /// A slip of the pen on the command line is told there and not in a window.
 fn refuse_what_is_not_there(source: &SceneSource) -> Result<(), Failure> {
     match source {
-        SceneSource::File(path) if !path.exists() => Err(SceneError::Missing(path.clone()).into()),
+        SceneSource::File(path) | SceneSource::FileAs(path, _) if !path.exists() => {
+            Err(SceneError::Missing(path.clone()).into())
+        }
         SceneSource::Builtin(name) if !builtin::NAMES.contains(&name.as_str()) => {
             // Reading it fails, and says what names there are.
             scene::load(source).map(drop).map_err(Failure::from)
@@ -57,10 +61,10 @@ fn refuse_what_is_not_there(source: &SceneSource) -> Result<(), Failure> {
     }
 }
 
-fn headless(name: &str, options: &SolveOptions) -> Result<(), Failure> {
+fn headless(name: &str, arguments: &Arguments) -> Result<(), Failure> {
     let start = Instant::now();
-    let scene = solve::load(name)?;
-    let settings = options.settings(scene.unit)?;
+    let scene = solve::load(name, &arguments.frame)?;
+    let settings = arguments.options.settings(scene.unit)?;
     let view = solve::start_view(&scene)?;
     let path = picture_path(&scene.name);
     atomic::probe(&path)?;

@@ -1,6 +1,5 @@
 use super::vertices::{ShadingVertices, region_normal};
 use super::weights::{PARALLEL_FROM, VertexWeights};
-use crate::geometry::Aabb;
 use crate::mesh::{NO_PATCH, PatchMesh, Side};
 use crate::scene::Scene;
 use glam::{DVec3, Vec2, Vec3};
@@ -60,7 +59,7 @@ struct TexturedPatch {
 pub struct DisplayMesh {
     /// Where the corners' positions count from, metres: far coordinates keep their digits.
     pub origin: DVec3,
-    /// Diagonal of the box around everything, metres.
+    /// Diagonal of the box around the part that is looked at, metres.
     pub size: f64,
     /// Corners of the lit sides first, then those of sides without a patch.
     pub corners: Vec<DisplayCorner>,
@@ -92,7 +91,7 @@ impl DisplayMesh {
     /// With `smooth`, vertices of neighbouring regions of one object and material are joined where
     /// the normals that the model gives agree; otherwise every region is shaded on its own.
     pub fn build(mesh: &PatchMesh, scene: &Scene, smooth: bool) -> Self {
-        let bounds = Aabb::around(mesh.vertices.iter().copied());
+        let bounds = scene.extent().main;
         let mut built = Self {
             origin: bounds.centre(),
             size: bounds.diagonal(),
@@ -172,6 +171,9 @@ impl DisplayMesh {
                     let face = [start, start + k, start + k + 1];
                     self.faces.push(face);
                     let drawn = if side == Side::Front { face } else { [face[0], face[2], face[1]] };
+                    if side == Side::Back && piece.backed {
+                        continue;
+                    }
                     let list = match piece.patches[side as usize] {
                         NO_PATCH => &mut unlit,
                         patch => by_texture.entry(self.patch_textures[patch as usize]).or_default(),

@@ -128,6 +128,12 @@ pub fn backs(choices: &EffectChoices) -> Backs {
     }
 }
 
+/// Whether nothing lies behind the front of any surface, so that no point inside has anything hidden from
+/// it.
+pub fn is_convex(mesh: &PatchMesh) -> bool {
+    visibility::is_convex(mesh)
+}
+
 /// What an effect's own file finds in a scene.
 struct Finding {
     called_for: bool,

@@ -4,13 +4,10 @@ use crate::mesh::{PatchMesh, Side};
 /// Occlusion can be left out only where no surface can stand between two others: a convex room
 /// without inner surfaces, every surface of it on the rim.
 pub(super) fn find(mesh: &PatchMesh) -> Finding {
-    let slack = 1e-6 * mesh.size;
     let regions = mesh.regions.len();
     let backs = mesh.patches.iter().filter(|p| p.side == Side::Back).count();
     // The first surface that has something behind its plane proves that the room is not convex.
-    let blocker = mesh.regions.iter().position(|region| {
-        mesh.vertices.iter().any(|v| region.frame.normal.dot(*v - region.origin) < -slack)
-    });
+    let blocker = first_blocker(mesh);
     let predicted_cost = format!("one sweep over the {regions} regions a row, most of the time of a solve");
     match (backs, blocker) {
         (0, None) => Finding {
@@ -36,4 +33,17 @@ pub(super) fn find(mesh: &PatchMesh) -> Finding {
             predicted_cost,
         },
     }
+}
+
+/// Whether nothing lies behind the front of any surface: from inside nothing is hidden.
+pub(super) fn is_convex(mesh: &PatchMesh) -> bool {
+    first_blocker(mesh).is_none()
+}
+
+/// The first region that has a vertex of the scene behind its plane.
+fn first_blocker(mesh: &PatchMesh) -> Option<usize> {
+    let slack = 1e-6 * mesh.size;
+    mesh.regions
+        .iter()
+        .position(|region| mesh.vertices.iter().any(|v| region.frame.normal.dot(*v - region.origin) < -slack))
 }

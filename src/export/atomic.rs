@@ -1,4 +1,9 @@
-//! A file is written beside its place and then renamed, so that it appears whole or not at all.
+//! A file is written to a temporary one in the same folder, then renamed, so that it appears whole or not
+//! at all.
+//!
+//! A run that is killed leaves its temporary file behind, and the next run that writes into the folder
+//! removes it. Which files nobody is writing any more is told by a lock that the system gives up with the
+//! process: it holds for other machines that share the folder as well, where a process number would not.
 
 use super::ExportError;
 use std::collections::BTreeSet;
@@ -16,7 +21,16 @@ static UNFINISHED: Mutex<BTreeSet<PathBuf>> = Mutex::new(BTreeSet::new());
 /// Tells apart two files of one name that are written at the same time.
 static SERIAL: AtomicU32 = AtomicU32::new(0);
 
-/// Writes a file by way of `.NAME.tmp-PID-SERIAL` in the same folder.
+/// Folders that were searched for files left by killed runs: once per process.
+static SEARCHED: Mutex<BTreeSet<PathBuf>> = Mutex::new(BTreeSet::new());
+
+/// What the name of a temporary file has behind the name of the target: this, PID-SERIAL, and [`ENDING`].
+const MARK: &str = ".lumenwalk-";
+const ENDING: &str = ".tmp";
+/// So often another file is begun where a fresh one was taken for one that was left behind.
+const ATTEMPTS: usize = 8;
+
+/// Writes a file by way of `.NAME.lumenwalk-PID-SERIAL.tmp` in the same folder.
 ///
 /// A symbolic link is followed; a device or pipe, which cannot be renamed onto, is written to
 /// directly.
@@ -66,7 +80,9 @@ fn write_inner(path: &Path, fill: impl FnOnce(&mut BufWriter<File>) -> io::Resul
             let mut writer = BufWriter::new(file);
             fill(&mut writer)?;
             writer.flush()?;
-            writer.into_inner().map_err(io::IntoInnerError::into_error)?.sync_all()?;
+            let file = writer.into_inner().map_err(io::IntoInnerError::into_error)?;
+            file.sync_all()?;
+            // Still locked: until it has its name nobody may take it for left behind.
             unfinished.finish(&path)
         }
     }
@@ -100,15 +116,25 @@ struct Unfinished {
 
 impl Unfinished {
     fn begin(target: &Path) -> io::Result<(Self, File)> {
-        let mut name = OsString::from(".");
-        name.push(target.file_name().unwrap_or_default());
-        let serial = SERIAL.fetch_add(1, Ordering::Relaxed);
-        name.push(format!(".tmp-{}-{serial}", std::process::id()));
-        let path = target.with_file_name(name);
-        let mut unfinished = lock();
-        let file = File::create(&path)?;
-        unfinished.insert(path.clone());
-        Ok((Self { path, finished: false }, file))
+        for _ in 0..ATTEMPTS {
+            let mut name = OsString::from(".");
+            name.push(target.file_name().unwrap_or_default());
+            let serial = SERIAL.fetch_add(1, Ordering::Relaxed);
+            name.push(format!("{MARK}{}-{serial}{ENDING}", std::process::id()));
+            let path = target.with_file_name(name);
+            let mut unfinished = lock();
+            let file = File::create(&path)?;
+            unfinished.insert(path.clone());
+            drop(unfinished);
+            let begun = Self { path, finished: false };
+            // Where the system knows no locks nothing is ever removed.
+            let _ = file.lock();
+            if fs::symlink_metadata(&begun.path).is_ok() {
+                remove_abandoned(&begun.path, &file);
+                return Ok((begun, file));
+            }
+        }
+        Err(io::Error::other("temporary files there are removed as fast as they are made"))
     }
 
     fn finish(mut self, target: &Path) -> io::Result<()> {
@@ -129,6 +155,55 @@ impl Drop for Unfinished {
             unfinished.remove(&self.path);
         }
     }
+}
+
+/// Removes what killed runs left in the folder of `own`, an open temporary file of this run; only files of
+/// the same user that bear the name of a temporary file of this program and that no process holds locked.
+fn remove_abandoned(own: &Path, file: &File) {
+    let Some(folder) = own.parent() else { return };
+    let folder = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
+    let mut searched = SEARCHED.lock().unwrap_or_else(PoisonError::into_inner);
+    if !searched.insert(folder.to_owned()) {
+        return;
+    }
+    drop(searched);
+    // What cannot be read or removed stays: it is in nobody's way.
+    let (Ok(entries), Ok(ours)) = (fs::read_dir(folder), file.metadata()) else { return };
+    for entry in entries.flatten() {
+        let is_temporary = is_temporary(&entry.file_name().to_string_lossy());
+        if !is_temporary || !entry.file_type().is_ok_and(|kind| kind.is_file()) {
+            continue;
+        }
+        let path = entry.path();
+        let Ok(left) = File::options().write(true).open(&path) else { continue };
+        let is_ours = left.metadata().is_ok_and(|theirs| same_owner(&ours, &theirs));
+        if is_ours && left.try_lock().is_ok() {
+            let _ = fs::remove_file(&path);
+        }
+    }
+}
+
+/// Whether a file's name is that of a temporary file of this program.
+fn is_temporary(name: &str) -> bool {
+    let is_number = |text: &str| !text.is_empty() && text.bytes().all(|b| b.is_ascii_digit());
+    let numbers = name
+        .strip_prefix('.')
+        .and_then(|name| name.strip_suffix(ENDING))
+        .and_then(|name| name.rsplit_once(MARK))
+        .and_then(|(target, numbers)| numbers.split_once('-').filter(|_| !target.is_empty()));
+    numbers.is_some_and(|(process, serial)| is_number(process) && is_number(serial))
+}
+
+#[cfg(unix)]
+fn same_owner(a: &fs::Metadata, b: &fs::Metadata) -> bool {
+    use std::os::unix::fs::MetadataExt as _;
+    a.uid() == b.uid()
+}
+
+/// Elsewhere what may be opened for writing counts.
+#[cfg(not(unix))]
+fn same_owner(_: &fs::Metadata, _: &fs::Metadata) -> bool {
+    true
 }
 
 fn lock() -> MutexGuard<'static, BTreeSet<PathBuf>> {
@@ -195,6 +270,56 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         probe(&folder.path().join("a.txt")).unwrap();
         assert!(names(folder.path()).is_empty());
+    }
+
+    #[test]
+    fn what_a_killed_run_left_is_removed_and_nothing_else() {
+        let folder = tempfile::tempdir().unwrap();
+        let put = |name: &str| fs::write(folder.path().join(name), "half").unwrap();
+        let left = [".a.txt.lumenwalk-1-0.tmp", ".other.png.lumenwalk-99999999-12.tmp"];
+        let foreign = [
+            ".a.txt.lumenwalk-1-0.tmp~",
+            ".a.txt.lumenwalk-1-x.tmp",
+            ".a.txt.lumenwalk-.tmp",
+            ".a.txt.tmp",
+            ".lumenwalk-1-0.tmp",
+            "a.txt.lumenwalk-1-0.tmp",
+            "notes.tmp",
+        ];
+        left.iter().chain(&foreign).for_each(|name| put(name));
+        fs::create_dir(folder.path().join(".d.lumenwalk-1-0.tmp")).unwrap();
+        // One that a run is writing.
+        let alive = ".b.txt.lumenwalk-1-0.tmp";
+        put(alive);
+        let held = File::open(folder.path().join(alive)).unwrap();
+        held.lock().unwrap();
+        write(&folder.path().join("a.txt"), |w| w.write_all(b"new")).unwrap();
+        let mut expected: Vec<String> = foreign
+            .iter()
+            .chain(&["a.txt", alive, ".d.lumenwalk-1-0.tmp"])
+            .map(|n| (*n).to_owned())
+            .collect();
+        expected.sort();
+        assert_eq!(names(folder.path()), expected);
+        assert_eq!(fs::read(folder.path().join("a.txt")).unwrap(), b"new");
+    }
+
+    #[test]
+    fn a_file_being_written_is_never_taken_for_one_left_behind() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.txt");
+        write(&path, |w| {
+            w.write_all(b"whole")?;
+            // As another run would: the search itself, whoever has searched here before.
+            let (other, file) = Unfinished::begin(&folder.path().join("b.txt"))?;
+            SEARCHED.lock().unwrap().clear();
+            remove_abandoned(&other.path, &file);
+            assert_eq!(names(folder.path()).len(), 2, "{:?}", names(folder.path()));
+            Ok(())
+        })
+        .unwrap();
+        assert_eq!(fs::read(&path).unwrap(), b"whole");
+        assert_eq!(names(folder.path()), ["a.txt"]);
     }
 
     #[cfg(unix)]

@@ -6,7 +6,7 @@ use std::path::Path;
 #[derive(Clone, Copy, Debug)]
 pub struct LitMesh<'a> {
     /// Positions, metres.
-    pub positions: &'a [[f32; 3]],
+    pub positions: &'a [[f64; 3]],
     /// Unit normals of the lit side.
     pub normals: &'a [[f32; 3]],
     /// Radiosity, W/m² per band.
@@ -17,11 +17,12 @@ pub struct LitMesh<'a> {
     pub triangles: &'a [[u32; 3]],
 }
 
-/// Bytes of a vertex: nine floats and three colours.
-const VERTEX_BYTES: usize = 39;
+/// Positions further out are written as doubles, metres: floats would lose their millimetres.
+const MOST_AS_FLOAT: f64 = 8192.0;
 
 /// Writes a binary little-endian PLY file with the vertex properties `x y z nx ny nz radiosity_r
-/// radiosity_g radiosity_b red green blue` and the face lists `vertex_indices`.
+/// radiosity_g radiosity_b red green blue` and the face lists `vertex_indices`. Positions are floats, or
+/// doubles where some are kilometres from the origin.
 ///
 /// # Errors
 /// Arrays of different lengths, an index past the last vertex, or a refusal of the system.
@@ -43,7 +44,11 @@ pub fn write_ply(path: &Path, mesh: &LitMesh<'_>) -> Result<(), ExportError> {
             "ply\nformat binary_little_endian 1.0\ncomment Lumenwalk: metres, radiosity in W/m2\n\
              element vertex {count}\n"
         )?;
-        for name in ["x", "y", "z", "nx", "ny", "nz", "radiosity_r", "radiosity_g", "radiosity_b"] {
+        let is_far = mesh.positions.as_flattened().iter().any(|x| x.abs() > MOST_AS_FLOAT);
+        for name in ["x", "y", "z"] {
+            writeln!(file, "property {} {name}", if is_far { "double" } else { "float" })?;
+        }
+        for name in ["nx", "ny", "nz", "radiosity_r", "radiosity_g", "radiosity_b"] {
             writeln!(file, "property float {name}")?;
         }
         for name in ["red", "green", "blue"] {
@@ -52,13 +57,16 @@ pub fn write_ply(path: &Path, mesh: &LitMesh<'_>) -> Result<(), ExportError> {
         let faces = mesh.triangles.len();
         write!(file, "element face {faces}\nproperty list uchar int vertex_indices\nend_header\n")?;
         for vertex in 0..count {
-            let mut bytes = [0_u8; VERTEX_BYTES];
-            let floats = [mesh.positions[vertex], mesh.normals[vertex], mesh.radiosity[vertex]];
-            for (place, value) in bytes.chunks_exact_mut(4).zip(floats.as_flattened()) {
-                place.copy_from_slice(&value.to_le_bytes());
+            for value in mesh.positions[vertex] {
+                match is_far {
+                    true => file.write_all(&value.to_le_bytes())?,
+                    false => file.write_all(&(value as f32).to_le_bytes())?,
+                }
             }
-            bytes[36..].copy_from_slice(&mesh.colours[vertex]);
-            file.write_all(&bytes)?;
+            for value in [mesh.normals[vertex], mesh.radiosity[vertex]].as_flattened() {
+                file.write_all(&value.to_le_bytes())?;
+            }
+            file.write_all(&mesh.colours[vertex])?;
         }
         for triangle in mesh.triangles {
             file.write_all(&[3])?;
@@ -74,7 +82,7 @@ pub fn write_ply(path: &Path, mesh: &LitMesh<'_>) -> Result<(), ExportError> {
 mod tests {
     use super::*;
 
-    const POSITIONS: [[f32; 3]; 4] = [[0.0; 3], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.5]];
+    const POSITIONS: [[f64; 3]; 4] = [[0.0; 3], [1.0, 0.0, 0.0], [1.0, 1.0, 0.0], [0.0, 1.0, 0.5]];
 
     fn mesh(triangles: &[[u32; 3]]) -> LitMesh<'_> {
         LitMesh {
@@ -104,6 +112,21 @@ mod tests {
         assert_eq!(last[8..12], 0.5_f32.to_le_bytes());
         assert_eq!(last[vertex - 3..], [10, 20, 30]);
         assert_eq!(bytes[bytes.len() - 4..], 3_u32.to_le_bytes());
+    }
+
+    #[test]
+    fn survey_coordinates_keep_their_millimetres() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("far.ply");
+        let positions = POSITIONS.map(|[x, y, z]| [x + 512_345.678, y, z + 5_401_234.567]);
+        write_ply(&path, &LitMesh { positions: &positions, ..mesh(&[[0, 1, 2]]) }).unwrap();
+        let bytes = std::fs::read(&path).unwrap();
+        let end = b"end_header\n";
+        let start = bytes.windows(end.len()).position(|w| w == end).unwrap() + end.len();
+        let header = std::str::from_utf8(&bytes[..start]).unwrap();
+        assert!(header.contains("property double x\n") && header.contains("property float nx\n"));
+        assert_eq!(bytes[start..start + 8], 512_345.678_f64.to_le_bytes());
+        assert_eq!(bytes.len() - start, 4 * (3 * 8 + 6 * 4 + 3) + 13);
     }
 
     #[test]

@@ -107,7 +107,16 @@ fn parse_point(line: &str) -> Result<SurfacePoint, String> {
     Ok(SurfacePoint { position: DVec3::new(x, y, z), normal })
 }
 
-/// Writes `x,y,z,nx,ny,nz,irradiance_r,irradiance_g,irradiance_b,lux`, one line a point, with
+/// Irradiance at a point.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PointResult {
+    /// W/m² per band.
+    pub irradiance: [f64; 3],
+    /// Estimated error of its illuminance, lx: the truth lies within this in nine of ten cases.
+    pub lux_error: f64,
+}
+
+/// Writes `x,y,z,nx,ny,nz,irradiance_r,irradiance_g,irradiance_b,lux,lux_error`, one line per point, with
 /// irradiance in W/m² per band and `lux` of it.
 ///
 /// # Errors
@@ -115,20 +124,21 @@ fn parse_point(line: &str) -> Result<SurfacePoint, String> {
 pub fn write_irradiance(
     path: &Path,
     points: &[SurfacePoint],
-    irradiance: &[[f64; 3]],
+    results: &[PointResult],
     lux: Lux,
 ) -> Result<(), ExportError> {
-    if points.len() != irradiance.len() {
+    if points.len() != results.len() {
         return Err(ExportError::shape(
             path,
-            format!("there are {} points and {} results", points.len(), irradiance.len()),
+            format!("there are {} points and {} results", points.len(), results.len()),
         ));
     }
     atomic::write(path, |file| {
-        writeln!(file, "x,y,z,nx,ny,nz,irradiance_r,irradiance_g,irradiance_b,lux")?;
-        for (point, &irradiance) in points.iter().zip(irradiance) {
+        writeln!(file, "x,y,z,nx,ny,nz,irradiance_r,irradiance_g,irradiance_b,lux,lux_error")?;
+        for (point, result) in points.iter().zip(results) {
             let place = [point.position, point.normal].into_iter().flat_map(|v| v.to_array());
-            let fields: Vec<String> = place.chain(irradiance).chain([lux(irradiance)]).map(number).collect();
+            let told = [lux(result.irradiance), result.lux_error];
+            let fields: Vec<String> = place.chain(result.irradiance).chain(told).map(number).collect();
             writeln!(file, "{}", fields.join(","))?;
         }
         Ok(())
@@ -179,10 +189,11 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("irradiance.csv");
         let points = parse_points("p.csv", "1,2,3,0,0,2").unwrap();
-        write_irradiance(&path, &points, &[[1.0, 2.0, 4.0]], |h| h.iter().sum()).unwrap();
+        let result = PointResult { irradiance: [1.0, 2.0, 4.0], lux_error: 0.25 };
+        write_irradiance(&path, &points, &[result], |h| h.iter().sum()).unwrap();
         let text = std::fs::read_to_string(&path).unwrap();
-        let header = "x,y,z,nx,ny,nz,irradiance_r,irradiance_g,irradiance_b,lux";
-        assert_eq!(text, format!("{header}\n1,2,3,0,0,1,1,2,4,7\n"));
+        let header = "x,y,z,nx,ny,nz,irradiance_r,irradiance_g,irradiance_b,lux,lux_error";
+        assert_eq!(text, format!("{header}\n1,2,3,0,0,1,1,2,4,7,0.25\n"));
         assert!(write_irradiance(&path, &points, &[], |_| 0.0).is_err());
     }
 }

@@ -32,6 +32,8 @@ pub struct Report {
     pub power_as_switched: PowerReport,
     /// How wrong the answer is; `null` where it was not audited.
     pub accuracy: Option<AccuracyReport>,
+    /// How wrong the illuminance at free points is; `null` where none was asked for.
+    pub points: Option<PointsReport>,
     /// The most memory that the process ever held, bytes; `null` where the system does not tell.
     pub peak_memory_bytes: Option<u64>,
     /// Files written besides this one.
@@ -61,6 +63,19 @@ pub struct SceneReport {
     pub luminaires: Vec<LampReport>,
     /// What the reader noticed.
     pub findings: Vec<FindingReport>,
+}
+
+/// Free points; errors are over the illuminance at each point, and hold in nine of ten cases.
+#[derive(Clone, Debug, Serialize)]
+pub struct PointsReport {
+    /// How many.
+    pub count: usize,
+    /// Median of their estimated errors; `null` where no light comes to any.
+    pub median_error_percent: Option<f64>,
+    /// The largest of them.
+    pub largest_error_percent: Option<f64>,
+    /// Which point that is, counted from 1.
+    pub worst_point: Option<usize>,
 }
 
 /// One material.

@@ -94,12 +94,21 @@ impl Culling {
     }
 
     /// Fills `found` with the regions that may be seen from `point` above its horizon.
-    pub(super) fn candidates(&self, point: DVec3, normal: DVec3, contact: f64, found: &mut Vec<u32>) {
+    ///
+    /// Heights below `contact` count as none; what lies less than `thickness` behind a surface may lie on
+    /// its back, and is not hidden by it.
+    pub(super) fn candidates(
+        &self,
+        point: DVec3,
+        normal: DVec3,
+        [contact, thickness]: [f64; 2],
+        found: &mut Vec<u32>,
+    ) {
         found.clear();
         if self.nodes.is_empty() {
             return;
         }
-        let shadows = self.shadows(point, normal, contact);
+        let shadows = self.shadows(point, normal, contact, thickness);
         let mut stack = vec![0_u32];
         while let Some(index) = stack.pop() {
             let node = &self.nodes[index as usize];
@@ -121,7 +130,7 @@ impl Culling {
     }
 
     /// The shadows of the blockers that cover most of the view.
-    fn shadows(&self, point: DVec3, normal: DVec3, contact: f64) -> Vec<Shadow> {
+    fn shadows(&self, point: DVec3, normal: DVec3, contact: f64, thickness: f64) -> Vec<Shadow> {
         let mut ranked: Vec<(f64, usize)> = Vec::new();
         for (index, blocker) in self.blockers.iter().enumerate() {
             let to = blocker.middle - point;
@@ -129,7 +138,7 @@ impl Culling {
             let facing = blocker.normal.dot(to).abs();
             let covered = blocker.area * facing / (distance2 * distance2.sqrt()).max(f64::MIN_POSITIVE);
             let above = blocker.corners.iter().any(|c| normal.dot(*c - point) > contact);
-            if facing > contact && covered > 0.02 && above {
+            if facing > thickness && covered > 0.02 && above {
                 ranked.push((covered, index));
             }
         }
@@ -139,19 +148,19 @@ impl Culling {
             ranked.truncate(SHADOWS);
         }
         ranked.sort_unstable_by(order);
-        ranked.into_iter().map(|(_, index)| self.blockers[index].shadow(point, contact)).collect()
+        ranked.into_iter().map(|(_, index)| self.blockers[index].shadow(point, thickness)).collect()
     }
 }
 
 impl Blocker {
     /// The pyramid through the corners with its top at `point`, behind the blocker. Coordinates are
     /// relative to `point`.
-    fn shadow(&self, point: DVec3, contact: f64) -> Shadow {
+    fn shadow(&self, point: DVec3, thickness: f64) -> Shadow {
         let height = self.normal.dot(self.middle - point);
         let sign = height.signum();
         let mut planes = Vec::with_capacity(self.corners.len() + 1);
-        // Strictly behind, by more than the thickness of a contact.
-        planes.push((self.normal * sign, height.abs() + contact));
+        // Strictly behind, and not on its back.
+        planes.push((self.normal * sign, height.abs() + thickness));
         for i in 0..self.corners.len() {
             let (a, b) = (self.corners[i] - point, self.corners[(i + 1) % self.corners.len()] - point);
             planes.push((a.cross(b) * sign, 0.0));
@@ -187,12 +196,12 @@ mod tests {
         for winding in [wall.to_vec(), wall.iter().rev().copied().collect()] {
             let culling = Culling::new(&boxes, &[winding]);
             let mut found = Vec::new();
-            culling.candidates(DVec3::ZERO, DVec3::Z, 1e-9, &mut found);
+            culling.candidates(DVec3::ZERO, DVec3::Z, [1e-9; 2], &mut found);
             // A leaf is taken whole, so ask for each box alone too.
             let alone: Vec<usize> = (0..boxes.len())
                 .filter(|&i| {
                     let single = Culling::new(&boxes[i..=i], &[culling.blockers[0].corners.clone()]);
-                    single.candidates(DVec3::ZERO, DVec3::Z, 1e-9, &mut found);
+                    single.candidates(DVec3::ZERO, DVec3::Z, [1e-9; 2], &mut found);
                     !found.is_empty()
                 })
                 .collect();

@@ -1,10 +1,11 @@
 //! The hemicube of 1985: patches projected onto five faces, an item buffer with depth, and a table
 //! of delta form factors.
 
+use super::occluders::{THICKNESS, Viewer};
 use super::rays::without_dark;
 use super::row::RowBuffer;
 use crate::geometry::Frame;
-use crate::mesh::{NO_PATCH, PatchMesh};
+use crate::mesh::{Backing, NO_PATCH, PatchMesh};
 use glam::DVec3;
 
 /// The top and four half faces.
@@ -79,13 +80,14 @@ impl Hemicube {
     }
 
     /// Adds the form factors from `point` to every patch to `row`, which is empty. Cells that show a dark
-    /// side count for nothing: what is lit sees none.
+    /// side count for nothing to a lit surface, which sees none.
     pub fn gather(
         &self,
         sampler: &mut HemicubeSampler,
         mesh: &PatchMesh,
         point: DVec3,
         frame: &Frame,
+        viewer: Viewer,
         row: &mut RowBuffer,
     ) {
         let mut dark = 0.0;
@@ -99,7 +101,9 @@ impl Hemicube {
                 }
             }
         }
-        row.scale(without_dark(dark));
+        if viewer == Viewer::LitSurface {
+            row.scale(without_dark(dark));
+        }
     }
 
     /// Draws what `point` sees through one face into the sampler's item buffer, row by row.
@@ -133,6 +137,12 @@ impl Hemicube {
                 continue;
             }
             let side = usize::from(height < 0.0);
+            // What lies on its back is seen instead of it, and sees nothing of it.
+            let is_on_it =
+                height.abs() <= THICKNESS * mesh.size && region.frame.normal.dot(frame.normal) < -0.99;
+            if (piece.backed && side == 1) || (region.backing != Backing::None && is_on_it) {
+                continue;
+            }
             let patch = if region.dark[side] { DARK } else { piece.patches[side] };
             sampler.polygon.clear();
             sampler.polygon.extend(mesh.corners_of(piece).iter().map(|c| {

@@ -92,7 +92,7 @@ impl ItemBuffer {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::form_factors::RowBuffer;
+    use crate::form_factors::{RowBuffer, Viewer};
     use crate::mesh::{MeshSettings, PatchTarget, build};
     use crate::scene::{SceneSource, load};
 
@@ -125,7 +125,14 @@ mod tests {
         assert!((sum - 1.0).abs() < 1e-12, "{sum}");
         let mut gathered = RowBuffer::new(mesh.patches.len());
         let mut sampler = HemicubeSampler::default();
-        Hemicube::new(64).gather(&mut sampler, &mesh, patch.centre, &frame, &mut gathered);
+        Hemicube::new(64).gather(
+            &mut sampler,
+            &mesh,
+            patch.centre,
+            &frame,
+            Viewer::LitSurface,
+            &mut gathered,
+        );
         let mut seen = 0;
         gathered.drain(|j, f| {
             seen += 1;

@@ -17,10 +17,10 @@
 //! coordinates times it are linear in x. An edge seen from the receiver has cot(theta) =
 //! p cos(phi) + q sin(phi), with p and q from the cross product of its ends: no division a crossing.
 
-use super::occluders::{Cell, Occluder, Occluders};
+use super::occluders::{Cell, Occluders, Viewer};
 use super::row::RowBuffer;
 use crate::geometry::Frame;
-use crate::mesh::{NO_PATCH, Side};
+use crate::mesh::{Backing, NO_PATCH, Side};
 use glam::DVec3;
 use std::f64::consts::TAU;
 
@@ -93,6 +93,19 @@ struct Seen {
     visible: f64,
 }
 
+/// Where a row is gathered.
+#[derive(Clone, Copy, Debug)]
+pub struct Viewpoint {
+    /// The receiving point, metres.
+    pub point: DVec3,
+    /// Its normal is the receiver's.
+    pub frame: Frame,
+    /// Shifts the half-planes by this fraction of their spacing, 0 to 1.
+    pub turn: f64,
+    /// Decides what hides.
+    pub viewer: Viewer,
+}
+
 /// Scratch space for rows; one a thread.
 #[derive(Clone, Debug, Default)]
 pub struct LineSampler {
@@ -119,21 +132,21 @@ const FEWEST: u32 = 3;
 const SHORTEST: f64 = 1e-13;
 
 impl LineSampler {
-    /// Adds the form factors from `point` to every patch to `row`.
+    /// Adds the form factors from a point to every patch to `row`.
     ///
-    /// `frame.normal` is the receiver's normal; `turn` in 0..1 shifts the half-planes by that
-    /// fraction of their spacing.
+    /// Lamps above the horizon that fell between two half-planes are handed to `add_missed`, by region:
+    /// it adds the form factors to their patches to the row and returns their sum.
     pub fn gather(
         &mut self,
         scene: &Occluders,
         fan: &Fan,
-        point: DVec3,
-        frame: &Frame,
-        turn: f64,
+        from: &Viewpoint,
         row: &mut RowBuffer,
+        mut add_missed: impl FnMut(u32, &mut RowBuffer) -> f64,
     ) {
         let n = fan.directions.len();
-        let frame = frame.turned(turn * TAU / n as f64);
+        let &Viewpoint { point, turn, viewer, .. } = from;
+        let frame = from.frame.turned(turn * TAU / n as f64);
         self.seen.clear();
         self.missed.clear();
         self.lines.resize_with(n, Vec::new);
@@ -144,9 +157,10 @@ impl LineSampler {
             self.counts.resize(n, 0);
         }
         let mut candidates = std::mem::take(&mut self.candidates);
-        scene.culling.candidates(point, frame.normal, scene.contact(), &mut candidates);
+        let near = [scene.contact(), scene.thickness()];
+        scene.culling.candidates(point, frame.normal, near, &mut candidates);
         for &index in &candidates {
-            self.cut_region(scene, fan, index as usize, point, &frame);
+            self.cut_region(scene, fan, index as usize, (point, viewer), &frame);
         }
         self.candidates = candidates;
         let per_line = 1.0 / n as f64;
@@ -157,18 +171,23 @@ impl LineSampler {
             self.lines[k] = line;
         }
         // The lines' own error on a whole region is known, and is taken out of its visible part.
-        let (mut sky, mut lamps, mut others, mut doubtful) = (1.0, 0.0, 0.0, 0.0);
+        let (mut sky, mut others, mut doubtful) = (1.0, 0.0, 0.0);
+        let mut lamps: f64 = self.missed.iter().map(|&region| add_missed(region, row)).sum();
         for seen in self.seen.iter_mut().filter(|seen| seen.visible > 0.0) {
             let region = &scene.regions[seen.region as usize];
+            let emits = region.emits[seen.side as usize];
             // What so few half-planes meet is right in the mean as it was met: the closed form where it
-            // was met, and nothing where it was missed, would take light from it.
-            let often = seen.met >= FEWEST || region.emits;
-            if let Some(exact) = often.then(|| lambert(scene, region, point, &frame)).flatten() {
-                seen.ratio = (exact / (seen.total * per_line)).clamp(0.25, 4.0);
+            // was met, and nothing where it was missed, would take light from it. Lamps that are missed
+            // have theirs by rays, so that each lamp counts by its closed form, met or missed: a globe
+            // of thousands of facets is the sum of what these send.
+            let often = seen.met >= FEWEST || emits;
+            if let Some(exact) = often.then(|| scene.unoccluded(region, point, &frame)).flatten() {
+                let ratio = exact / (seen.total.max(seen.visible) * per_line);
+                seen.ratio = if emits { ratio } else { ratio.clamp(0.25, 4.0) };
             }
             let amount = seen.visible * per_line * seen.ratio;
             sky -= seen.visible * per_line;
-            if region.emits {
+            if emits {
                 // A lamp's light is not shifted by what is missing elsewhere.
                 seen.doubt = None;
                 lamps += amount;
@@ -196,7 +215,7 @@ impl LineSampler {
 
     /// Whether the last point saw a lamp that matters in part: it lies in a penumbra.
     pub fn in_penumbra(&self, scene: &Occluders) -> bool {
-        let lamps = || self.seen.iter().filter(|s| scene.regions[s.region as usize].emits);
+        let lamps = || self.seen.iter().filter(|s| scene.regions[s.region as usize].emits[s.side as usize]);
         let largest = lamps().map(|s| s.total).fold(0.0, f64::max);
         lamps().any(|s| {
             let fraction = s.visible / s.total;
@@ -204,13 +223,15 @@ impl LineSampler {
         })
     }
 
-    /// Lamps above the horizon of the last point that fell between two half-planes, as regions.
-    pub fn missed(&self) -> &[u32] {
-        &self.missed
-    }
-
     /// Finds the intervals of one region on all half-planes.
-    fn cut_region(&mut self, scene: &Occluders, fan: &Fan, index: usize, point: DVec3, frame: &Frame) {
+    fn cut_region(
+        &mut self,
+        scene: &Occluders,
+        fan: &Fan,
+        index: usize,
+        (point, viewer): (DVec3, Viewer),
+        frame: &Frame,
+    ) {
         let region = &scene.regions[index];
         let contact = scene.contact();
         // 1. Skip what lies below the horizon or edge-on.
@@ -219,7 +240,17 @@ impl LineSampler {
             return;
         }
         let to_plane = region.normal.dot(region.origin - point);
-        if to_plane.abs() <= contact || region.dark[usize::from(to_plane > 0.0)] {
+        let side = if to_plane < 0.0 { Side::Front } else { Side::Back };
+        let passed_over = viewer == Viewer::LitSurface && region.dark[side as usize];
+        let is_edge_on = to_plane.is_nan() || to_plane.abs() <= contact;
+        if is_edge_on || passed_over {
+            return;
+        }
+        // What lies on its back is seen instead of it, and sees nothing of it.
+        let is_on_it = to_plane.abs() <= scene.thickness() && region.normal.dot(frame.normal) < -0.99;
+        if (region.backing == Backing::Whole && to_plane > 0.0)
+            || (region.backing != Backing::None && is_on_it)
+        {
             return;
         }
         // 2. Corners in the receiver's frame, with their azimuth counted in half-planes.
@@ -300,9 +331,11 @@ impl LineSampler {
 
         // 4. Pair the crossings of each half-plane.
         let normal = frame.local(region.normal);
-        let side = if to_plane < 0.0 { Side::Front } else { Side::Back };
         let axis_end = if to_plane * normal.z > 0.0 { -1.0 } else { 1.0 };
-        let inverse = 0.5 / to_plane;
+        // What lies on a part of its back stands before it.
+        let behind =
+            if side == Side::Back && region.backing == Backing::Partial { scene.thickness() } else { 0.0 };
+        let inverse = 0.5 / (to_plane + behind);
         let seen = self.seen.len() as u32;
         let mut total = 0.0;
         for &k in &self.touched {
@@ -338,8 +371,17 @@ impl LineSampler {
                 }
             }
         }
-        if total <= 0.0 {
-            if region.emits {
+        // So little that it rounds to nothing, or no interval at all: it is not seen, and none of its
+        // intervals may stay behind without it.
+        let is_seen = total > 0.0;
+        if !is_seen {
+            for &k in &self.touched {
+                let line = &mut self.lines[k as usize];
+                while line.last().is_some_and(|interval| interval.seen == seen) {
+                    line.pop();
+                }
+            }
+            if region.emits[side as usize] {
                 self.missed.push(index as u32);
             }
             return;
@@ -538,46 +580,6 @@ impl LineSampler {
     }
 }
 
-/// Form factor from the point to a whole region without occlusion, what lies below the horizon cut
-/// off; `None` where the horizon cuts it into several parts.
-fn lambert(scene: &Occluders, region: &Occluder, point: DVec3, frame: &Frame) -> Option<f64> {
-    let vertices = &scene.vertices[region.vertices[0] as usize..region.vertices[1] as usize];
-    let mut sum = 0.0;
-    let (mut enter, mut leave, mut rims) = (0.0, 0.0, 0);
-    for &[a, b] in &scene.edges[region.edges[0] as usize..region.edges[1] as usize] {
-        let p = frame.local(vertices[a as usize] - point);
-        let q = frame.local(vertices[b as usize] - point);
-        if p.z <= 0.0 && q.z <= 0.0 {
-            continue;
-        }
-        let (mut from, mut to) = (p, q);
-        if p.z <= 0.0 {
-            from = p + (q - p) * (p.z / (p.z - q.z));
-            enter = from.y.atan2(from.x);
-            rims += 1;
-        } else if q.z <= 0.0 {
-            to = p + (q - p) * (p.z / (p.z - q.z));
-            leave = to.y.atan2(to.x);
-            rims += 1;
-        }
-        let cross = from.cross(to);
-        let length = cross.length();
-        if length > 0.0 {
-            sum += cross.z / length * length.atan2(from.dot(to));
-        }
-    }
-    match rims {
-        0 => {}
-        // The polygon is closed along the horizon.
-        2 => {
-            let turn: f64 = enter - leave;
-            sum += turn - TAU * (turn / TAU).round();
-        }
-        _ => return None,
-    }
-    (sum != 0.0).then_some(sum.abs() / TAU)
-}
-
 /// sin² of the angle from the normal, less 1/2.
 #[inline]
 fn weight_of(x: f64) -> f64 {
@@ -594,3 +596,7 @@ fn nearest(active: &[Interval], x: f64) -> usize {
     }
     best.1
 }
+
+#[cfg(test)]
+#[path = "lines_test.rs"]
+mod tests;

@@ -22,9 +22,9 @@ mod rows;
 
 pub use hemicube::{Hemicube, HemicubeSampler};
 pub use item_buffer::{ItemBuffer, ItemCell};
-pub use lines::{Fan, LineSampler};
+pub use lines::{Fan, LineSampler, Viewpoint};
 pub use matrix::{AssembleReport, FormFactors};
-pub use occluders::Occluders;
+pub use occluders::{Occluders, Viewer};
 pub use quality::RowQuality;
 pub use rays::RayScene;
 pub use receiving::ReceivingPoints;

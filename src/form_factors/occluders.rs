@@ -1,8 +1,23 @@
 //! The regions of a mesh in the compact form that all row methods read.
 
 use super::culling::Culling;
-use crate::mesh::{NO_PATCH, PatchMesh};
+use crate::geometry::Frame;
+use crate::mesh::{Backing, NO_PATCH, PatchMesh, Side};
 use glam::DVec3;
+use std::f64::consts::TAU;
+
+/// Who looks at the scene.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Viewer {
+    /// A point of a surface that light reaches. It never sees a side that no light reaches, so such
+    /// sides are passed over.
+    LitSurface,
+    /// A point anywhere. Sides that no light reaches hide from it what lies behind them.
+    Anywhere,
+}
+
+/// Surfaces that lie back to back are nearer to each other than this share of the scene's diagonal.
+pub(super) const THICKNESS: f64 = 2e-7;
 
 /// Everything that a receiving point can see, laid out for one pass per row.
 #[derive(Clone, Debug, Default)]
@@ -18,7 +33,7 @@ pub struct Occluders {
     pub(super) pieces: Vec<CellPiece>,
     /// Edges of those pieces: inside where `a u + b v + c >= 0`, plane coordinates in cells.
     pub(super) piece_edges: Vec<[f64; 3]>,
-    /// Diagonal of the box around everything, metres.
+    /// What tolerances are shares of, metres.
     pub(super) size: f64,
     /// Patches in the mesh.
     pub(super) patches: usize,
@@ -41,10 +56,12 @@ pub(super) struct Occluder {
     /// Middle and half size of the box around it.
     pub(super) middle: DVec3,
     pub(super) half: DVec3,
-    /// Whether a patch of it emits.
-    pub(super) emits: bool,
+    /// For front and back whether a patch on that side emits.
+    pub(super) emits: [bool; 2],
     /// Sides that nothing lit can see.
     pub(super) dark: [bool; 2],
+    /// How much of its back others lie on.
+    pub(super) backing: Backing,
 }
 
 /// What lies in a grid cell.
@@ -91,13 +108,16 @@ impl Occluders {
 
             let first_cell = all.cells.len() as u32;
             let count = region.cells[0] * region.cells[1];
-            let mut emits = false;
+            let mut emits = [false; 2];
             for cell in region.first_cell..region.first_cell + count {
                 let list = mesh.cell_pieces[cell as usize].clone();
                 let ids = &mesh.piece_lists[list.start as usize..list.end as usize];
                 let patches = |p: u32| mesh.pieces[p as usize].patches;
-                for side in ids.iter().flat_map(|&p| patches(p)).filter(|&p| p != NO_PATCH) {
-                    emits |= mesh.patches[side as usize].luminaire.is_some();
+                for side in [Side::Front, Side::Back] {
+                    let on_side = ids.iter().map(|&p| patches(p)[side as usize]);
+                    emits[side as usize] |= on_side
+                        .filter(|&p| p != NO_PATCH)
+                        .any(|p| mesh.patches[p as usize].luminaire.is_some());
                 }
                 let cell = match ids {
                     [] => Cell::Whole([NO_PATCH; 2]),
@@ -140,6 +160,7 @@ impl Occluders {
                 half: 0.5 * region.bounds.size(),
                 emits,
                 dark: region.dark,
+                backing: region.backing,
             });
         }
         let boxes: Vec<(DVec3, DVec3)> = all.regions.iter().map(|r| (r.middle, r.half)).collect();
@@ -152,8 +173,54 @@ impl Occluders {
         self.patches
     }
 
+    /// Form factor from the point to a whole region without occlusion, what lies below the horizon cut
+    /// off; `None` where the horizon cuts it into several parts.
+    pub(super) fn unoccluded(&self, region: &Occluder, point: DVec3, frame: &Frame) -> Option<f64> {
+        let vertices = &self.vertices[region.vertices[0] as usize..region.vertices[1] as usize];
+        let mut sum = 0.0;
+        let (mut enter, mut leave, mut rims) = (0.0, 0.0, 0);
+        for &[a, b] in &self.edges[region.edges[0] as usize..region.edges[1] as usize] {
+            let p = frame.local(vertices[a as usize] - point);
+            let q = frame.local(vertices[b as usize] - point);
+            if p.z <= 0.0 && q.z <= 0.0 {
+                continue;
+            }
+            let (mut from, mut to) = (p, q);
+            if p.z <= 0.0 {
+                from = p + (q - p) * (p.z / (p.z - q.z));
+                enter = from.y.atan2(from.x);
+                rims += 1;
+            } else if q.z <= 0.0 {
+                to = p + (q - p) * (p.z / (p.z - q.z));
+                leave = to.y.atan2(to.x);
+                rims += 1;
+            }
+            let cross = from.cross(to);
+            let length = cross.length();
+            if length > 0.0 {
+                sum += cross.z / length * length.atan2(from.dot(to));
+            }
+        }
+        match rims {
+            0 => {}
+            // The polygon is closed along the horizon.
+            2 => {
+                let turn: f64 = enter - leave;
+                sum += turn - TAU * (turn / TAU).round();
+            }
+            _ => return None,
+        }
+        let factor = sum.abs() / TAU;
+        (factor > 0.0).then_some(factor)
+    }
+
     /// Distances below this count as contact, metres.
     pub(super) fn contact(&self) -> f64 {
         1e-9 * self.size
+    }
+
+    /// Surfaces that lie back to back are nearer to each other than this, metres.
+    pub(super) fn thickness(&self) -> f64 {
+        THICKNESS * self.size
     }
 }

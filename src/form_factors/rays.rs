@@ -1,5 +1,6 @@
 //! Form factors by rays with a cosine distribution: every ray carries the same weight.
 
+use super::occluders::Viewer;
 use super::row::RowBuffer;
 use crate::geometry::{Bvh, Frame, Ray};
 use crate::mesh::{NO_PATCH, PatchMesh, cosine_direction};
@@ -14,6 +15,8 @@ pub struct RayScene {
     /// front normal.
     patches: Vec<[u32; 2]>,
     dark: Vec<[bool; 2]>,
+    /// For each triangle whether another surface lies on its back, so that this is never seen.
+    backed: Vec<bool>,
     normals: Vec<DVec3>,
     /// Rays start this far off the surface, metres.
     offset: f64,
@@ -32,6 +35,7 @@ impl RayScene {
                 .iter()
                 .map(|&p| mesh.regions[mesh.pieces[p as usize].region as usize].dark)
                 .collect(),
+            backed: pieces.iter().map(|&p| mesh.pieces[p as usize].backed).collect(),
             normals: pieces
                 .iter()
                 .map(|&p| mesh.regions[mesh.pieces[p as usize].region as usize].frame.normal)
@@ -51,7 +55,9 @@ impl RayScene {
     /// The patch that a ray meets first, or [`NO_PATCH`], and whether no light reaches that side; `None`
     /// where the ray escapes.
     fn seen(&self, point: DVec3, direction: DVec3) -> Option<(u32, bool)> {
-        let hit = self.bvh.nearest(&Ray { origin: point, direction }, self.offset, f64::INFINITY)?;
+        let ray = Ray { origin: point, direction };
+        let is_shown = |triangle: u32| self.is_shown(triangle, direction);
+        let hit = self.bvh.nearest_where(&ray, self.offset, f64::INFINITY, is_shown)?;
         let triangle = hit.triangle as usize;
         let side = usize::from(self.normals[triangle].dot(direction) > 0.0);
         Some((self.patches[triangle][side], self.dark[triangle][side]))
@@ -105,12 +111,27 @@ impl RayScene {
             return true;
         }
         let ray = Ray { origin: from, direction: direction / length };
-        !self.bvh.occluded(&ray, self.offset, length - self.offset)
+        let is_shown = |triangle: u32| self.is_shown(triangle, direction);
+        !self.bvh.occluded_where(&ray, self.offset, length - self.offset, is_shown)
+    }
+
+    /// Whether the side of a triangle that a ray in this direction meets can be seen.
+    fn is_shown(&self, triangle: u32, direction: DVec3) -> bool {
+        !(self.backed[triangle as usize] && self.normals[triangle as usize].dot(direction) > 0.0)
     }
 
     /// Adds the form factors from `point` to every patch to `row`, which is empty; `turn` in 0..1 turns
-    /// the pattern of `count` rays. Rays that meet a dark side count for nothing: what is lit sees none.
-    pub fn gather(&self, count: u32, point: DVec3, frame: &Frame, turn: f64, row: &mut RowBuffer) {
+    /// the pattern of `count` rays. Rays that meet a dark side count for nothing to a lit surface, which
+    /// sees none.
+    pub fn gather(
+        &self,
+        count: u32,
+        point: DVec3,
+        frame: &Frame,
+        turn: f64,
+        viewer: Viewer,
+        row: &mut RowBuffer,
+    ) {
         let each = 1.0 / f64::from(count.max(1));
         let mut dark = 0.0;
         for k in 0..count {
@@ -121,7 +142,9 @@ impl RayScene {
                 Some((patch, _)) => row.add(patch, each),
             }
         }
-        row.scale(without_dark(dark));
+        if viewer == Viewer::LitSurface {
+            row.scale(without_dark(dark));
+        }
     }
 }
 

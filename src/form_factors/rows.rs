@@ -3,7 +3,11 @@
 use super::closed_form::point_to_polygon;
 use super::convex::{ConvexRows, ConvexScratch};
 use super::receiving::{ReceivingPoints, points_of};
-use super::{Fan, Hemicube, HemicubeSampler, LineSampler, Method, Occluders, RayScene, Row, RowBuffer};
+use super::{
+    Fan, Hemicube, HemicubeSampler, LineSampler, Method, Occluders, RayScene, Row, RowBuffer, Viewer,
+    Viewpoint,
+};
+use crate::effects;
 use crate::geometry::Frame;
 use crate::mesh::{Patch, PatchMesh, Side};
 use glam::{DVec2, DVec3};
@@ -18,6 +22,9 @@ pub struct RowComputer {
     sampler: Sampler,
     points: ReceivingPoints,
     visibility: bool,
+    /// Without occlusion, whether nothing can stand between two points inside, so that only points outside
+    /// have something hidden from them.
+    is_convex: bool,
     /// Without occlusion, where nothing lies behind anything.
     convex: Option<ConvexRows>,
     /// Where to aim shadow rays at.
@@ -70,6 +77,7 @@ enum Purpose {
     Centre,
     OneOf(ReceivingPoints),
     Lamp,
+    FreePoint,
 }
 
 #[derive(Clone, Debug)]
@@ -106,6 +114,9 @@ const INSIDE: f64 = 0.9;
 const POINT_LIKE: f64 = 0.1;
 /// A centre that misses more than this of its row may lie under something.
 const HIDDEN: f64 = 0.01;
+
+/// What is seen by less than this, of a row that sums to one, is seen through the rounding of a seam.
+const SEAM: f64 = 1e-12;
 
 /// Working memory of one thread.
 #[derive(Clone, Debug)]
@@ -149,6 +160,7 @@ impl RowComputer {
             occluders: Occluders::new(&mesh),
             rays: RayScene::new(&mesh),
             convex: if visibility { None } else { ConvexRows::new(&mesh) },
+            is_convex: !visibility && effects::is_convex(&mesh),
             mesh,
             sampler,
             points,
@@ -343,55 +355,93 @@ impl RowComputer {
     /// The point is lifted along its normal by 1e-5 of the scene's size: files give points to a few
     /// digits, and one that lies on a surface must not fall behind it.
     pub fn point(&self, point: DVec3, normal: DVec3, scratch: &mut RowScratch, visit: impl FnMut(u32, f64)) {
-        let point = point + normal * (1e-5 * self.mesh.size);
-        if self.visibility {
-            self.gather(point, Frame::around(normal), 0.618_033_989, Purpose::Centre, scratch);
+        self.point_turned(point, normal, 0.0, scratch, visit);
+    }
+
+    /// As [`Self::point`], with the pattern of half-planes, cells or rays turned by a share of its period,
+    /// 0 to 1: what that changes is an error of sampling.
+    pub fn point_turned(
+        &self,
+        point: DVec3,
+        normal: DVec3,
+        share: f64,
+        scratch: &mut RowScratch,
+        mut visit: impl FnMut(u32, f64),
+    ) {
+        let point = self.lifted(point, normal);
+        if self.visibility || self.is_convex && self.lies_outside(point) {
+            let turn = (0.618_033_989 + share).fract();
+            self.gather(point, Frame::around(normal), turn, Purpose::FreePoint, scratch);
         } else {
             self.gather_unoccluded(point, normal, scratch);
         }
-        scratch.row.drain(visit);
+        scratch.row.drain(|patch, factor| {
+            if factor > SEAM {
+                visit(patch, factor);
+            }
+        });
+    }
+
+    /// Where a free point is gathered: see [`Self::point`].
+    pub fn lifted(&self, point: DVec3, normal: DVec3) -> DVec3 {
+        point + normal * (1e-5 * self.mesh.size)
+    }
+
+    /// Whether a point lies behind a surface of a convex room.
+    fn lies_outside(&self, point: DVec3) -> bool {
+        let slack = 1e-6 * self.mesh.size;
+        self.mesh.regions.iter().any(|region| region.frame.normal.dot(point - region.origin) < -slack)
     }
 
     fn gather(&self, point: DVec3, frame: Frame, turn: f64, purpose: Purpose, scratch: &mut RowScratch) {
+        let viewer = match purpose {
+            Purpose::FreePoint => Viewer::Anywhere,
+            Purpose::Centre | Purpose::OneOf(_) | Purpose::Lamp => Viewer::LitSurface,
+        };
         match &self.sampler {
             Sampler::Lines(fans) => {
                 let fan = match purpose {
-                    Purpose::Centre => &fans.full,
+                    Purpose::Centre | Purpose::FreePoint => &fans.full,
                     Purpose::OneOf(ReceivingPoints::Sixteen) => &fans.coarser,
                     Purpose::OneOf(_) => &fans.coarse,
                     Purpose::Lamp => &fans.fine,
                 };
-                scratch.lines.gather(&self.occluders, fan, point, &frame, turn, &mut scratch.row);
-                for &region in scratch.lines.missed() {
-                    self.add_by_rays(region, point, frame.normal, &mut scratch.row);
-                }
+                let from = Viewpoint { point, frame, turn, viewer };
+                scratch.lines.gather(&self.occluders, fan, &from, &mut scratch.row, |region, row| {
+                    self.add_by_rays(region, point, frame.normal, row)
+                });
             }
             Sampler::Hemicube(cube, turned) => {
                 // Turned, edges do not run along rows of cells.
                 let frame = if *turned { frame.turned(turn * std::f64::consts::TAU) } else { frame };
-                cube.gather(&mut scratch.hemicube, &self.mesh, point, &frame, &mut scratch.row);
+                cube.gather(&mut scratch.hemicube, &self.mesh, point, &frame, viewer, &mut scratch.row);
             }
             Sampler::Rays(count) => {
                 let count = match purpose {
                     Purpose::OneOf(points) => count.div_ceil(points.count()),
-                    Purpose::Centre | Purpose::Lamp => *count,
+                    Purpose::Centre | Purpose::Lamp | Purpose::FreePoint => *count,
                 };
-                self.rays.gather(count, point, &frame, turn, &mut scratch.row);
+                self.rays.gather(count, point, &frame, turn, viewer, &mut scratch.row);
             }
         }
     }
 
     /// A lamp so small that it fell between two lines: its patches by closed form and one ray each.
-    fn add_by_rays(&self, region: u32, point: DVec3, normal: DVec3, row: &mut RowBuffer) {
+    /// Returns the sum of their form factors.
+    fn add_by_rays(&self, region: u32, point: DVec3, normal: DVec3, row: &mut RowBuffer) -> f64 {
+        let mut sum = 0.0;
         for index in self.patches_of(region) {
             let patch = &self.mesh.patches[index as usize];
             if patch.luminaire.is_some()
                 && patch.normal.dot(point - patch.centre) > 0.0
                 && self.rays.visible(point, patch.centre)
             {
-                row.add(index, self.unoccluded(point, normal, index));
+                let value = self.unoccluded(point, normal, index);
+                row.add(index, value);
+                sum += value;
             }
         }
+        sum
     }
 
     fn patches_of(&self, region: u32) -> Vec<u32> {

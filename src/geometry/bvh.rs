@@ -139,6 +139,16 @@ impl Bvh {
         blocked
     }
 
+    /// As [`Bvh::occluded`], by the triangles that `accept` takes by their index.
+    pub fn occluded_where(&self, ray: &Ray, min: f64, max: f64, accept: impl Fn(u32) -> bool) -> bool {
+        let mut blocked = false;
+        self.walk(ray, min, max, |hit| {
+            blocked = accept(hit.triangle);
+            (!blocked).then_some(max)
+        });
+        blocked
+    }
+
     /// Calls `found` with the index of each triangle whose box meets `bounds`, in no order that means
     /// anything but always the same.
     pub fn touching(&self, bounds: &Aabb, mut found: impl FnMut(u32)) {

@@ -1,3 +1,4 @@
+use super::backing::{Backing, Sheets};
 use super::contacts::Edges;
 use super::grading::{Grading, Lamps};
 use super::patches;
@@ -6,7 +7,9 @@ use super::reach::{Buried, Reach, Search};
 use super::refinement::Refinement;
 use super::regions::{self, Outline};
 use super::types::{MeshStatistics, NO_PATCH, Patch, PatchMesh, Side};
+use crate::geometry::polygon;
 use crate::scene::Scene;
+use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 use std::sync::Arc;
 
@@ -88,14 +91,15 @@ const PATCH_LIMIT: usize = 2_000_000;
 /// Splits the surfaces of a scene into patches.
 pub fn build(scene: &Scene, settings: &MeshSettings) -> Result<PatchMesh, MeshError> {
     // 1. Join coplanar neighbours, and find the sides that light can reach.
-    let size = scene.bounds().diagonal();
+    let size = scene.extent().scale;
     let as_given = settings.target == PatchTarget::AsGiven;
     let (outlines, dropped) = regions::join(scene, size, as_given);
     if outlines.is_empty() {
         return Err(MeshError::Empty);
     }
-    let mut search = Search::new(scene, &outlines, size);
-    let reached: Vec<[Reach; 2]> = match settings.backs {
+    let sheets = Sheets::new(&outlines, size);
+    let mut search = Search::new(scene, &outlines, &sheets, size);
+    let mut reached: Vec<[Reach; 2]> = match settings.backs {
         Backs::Reached => search.sides(),
         Backs::None => outlines
             .iter()
@@ -105,6 +109,11 @@ pub fn build(scene: &Scene, settings: &MeshSettings) -> Result<PatchMesh, MeshEr
             .collect(),
         Backs::All => vec![[Reach::Lit; 2]; outlines.len()],
     };
+    for (reached, backing) in reached.iter_mut().zip(&sheets.backing) {
+        if *backing == Backing::Whole {
+            reached[Side::Back as usize] = Reach::Backed;
+        }
+    }
     let sides: Vec<[bool; 2]> = reached.iter().map(|r| r.map(|side| side == Reach::Lit)).collect();
 
     // 2. Choose the patch size and cut.
@@ -127,17 +136,20 @@ pub fn build(scene: &Scene, settings: &MeshSettings) -> Result<PatchMesh, MeshEr
             let mut contacts = edges.on(index, outline, grading.shortest(&grid));
             let cuts: Vec<Cut> = pieces::cut(outline, &grid, &mut contacts, &grading);
             pieces::append(&mut mesh, outline, &grid, &cuts);
-            let contacts: Vec<[glam::DVec2; 2]> = contacts.iter().map(|contact| contact.ends).collect();
+            let contacts: Vec<[DVec2; 2]> = contacts.iter().map(|contact| contact.ends).collect();
             let pieces = mesh.regions[index].pieces.clone();
             let groups = patches::group_by_cell(&mesh, pieces, &grid, &cuts, &contacts);
             mesh.contacts.push(contacts);
             groups
         };
-        // 3. One patch a group and lit side.
+        // 3. One patch a group and lit side; none where another surface lies on the back.
+        mark_backed(&mut mesh, &sheets, index);
         for side in [Side::Front, Side::Back] {
             if sides[index][side as usize] {
                 for group in &groups {
-                    patches::append(&mut mesh, scene, outline, side, group, settings.textures);
+                    let is_open = |p: &&u32| side == Side::Front || !mesh.pieces[**p as usize].backed;
+                    let open: Vec<u32> = group.iter().filter(is_open).copied().collect();
+                    patches::append(&mut mesh, scene, outline, side, &open, settings.textures);
                 }
             }
         }
@@ -145,8 +157,12 @@ pub fn build(scene: &Scene, settings: &MeshSettings) -> Result<PatchMesh, MeshEr
     if mesh.patches.is_empty() {
         return Err(MeshError::Empty);
     }
-    for (region, reached) in mesh.regions.iter_mut().zip(&reached) {
-        region.dark = reached.map(|side| side == Reach::Dark);
+    let front_is_dark = |&index: &u32| reached[index as usize][Side::Front as usize] == Reach::Dark;
+    for (index, region) in mesh.regions.iter_mut().enumerate() {
+        region.dark = reached[index].map(|side| side == Reach::Dark);
+        if region.backing == Backing::Whole {
+            region.dark[Side::Back as usize] = sheets.backers[index].iter().all(front_is_dark);
+        }
     }
     if settings.backs == Backs::Reached {
         let found = search.buried(&reached, &mesh.patches, |patch| patches::inner_points(&mesh, patch));
@@ -163,13 +179,28 @@ pub fn build(scene: &Scene, settings: &MeshSettings) -> Result<PatchMesh, MeshEr
     Ok(mesh)
 }
 
+/// Notes which pieces of the last region, made of the outline at `index`, have another surface on their back:
+/// on all of it, for a ray that passed beside that surface would find nothing.
+fn mark_backed(mesh: &mut PatchMesh, sheets: &Sheets<'_>, index: usize) {
+    /// Points are this share of the way from the corners to the middle of a piece.
+    const INSET: f64 = 0.02;
+    let Some(region) = mesh.regions.last_mut() else { return };
+    region.backing = sheets.backing[index];
+    for p in region.pieces.clone() {
+        let corners: Vec<DVec2> = mesh.corners_of(&mesh.pieces[p as usize]).iter().map(|c| c.plane).collect();
+        let middle = polygon::centroid_2d(&corners);
+        let mut points = std::iter::once(middle).chain(corners.iter().map(|c| c.lerp(middle, INSET)));
+        mesh.pieces[p as usize].backed = points.all(|at| sheets.covers_back(index, at));
+    }
+}
+
 /// Convex parts of surfaces large enough to hide much of the scene, by falling area.
-fn blockers(outlines: &[Outline], size: f64) -> Vec<Vec<glam::DVec3>> {
+fn blockers(outlines: &[Outline], size: f64) -> Vec<Vec<DVec3>> {
     const MOST: usize = 512;
-    let mut large: Vec<(f64, Vec<glam::DVec3>)> = outlines
+    let mut large: Vec<(f64, Vec<DVec3>)> = outlines
         .iter()
         .flat_map(|o| o.parts.iter().map(move |part| (o, part)))
-        .map(|(o, part)| (crate::geometry::polygon::area_2d(&part.corners), o, part))
+        .map(|(o, part)| (polygon::area_2d(&part.corners), o, part))
         .filter(|(area, ..)| *area > 5e-4 * size * size)
         .map(|(area, o, part)| (area, part.corners.iter().map(|&c| o.world(c)).collect()))
         .collect();

@@ -6,6 +6,7 @@
 //! are halved until none of them is too large for the light that falls on it, and so they are where a
 //! [`Refinement`] asks for it.
 
+mod backing;
 mod build;
 mod checkup;
 mod contacts;
@@ -19,6 +20,7 @@ mod refinement;
 mod regions;
 mod types;
 
+pub use backing::Backing;
 pub use build::{Backs, MeshError, MeshSettings, PatchTarget, build};
 pub use checkup::checkup;
 pub use neighbours::Contact;

@@ -195,6 +195,7 @@ pub(super) fn append(mesh: &mut PatchMesh, outline: &Outline, grid: &Grid, cuts:
             surface: part.surface,
             corners: first_corner..mesh.corners.len() as u32,
             patches: [super::NO_PATCH; 2],
+            backed: false,
             area: polygon::area_2d(&cut.corners),
         });
     }
@@ -222,6 +223,7 @@ pub(super) fn append(mesh: &mut PatchMesh, outline: &Outline, grid: &Grid, cuts:
         bounds: outline.bounds,
         area: outline.area,
         dark: [false; 2],
+        backing: super::Backing::None,
     });
 }
 

@@ -5,9 +5,10 @@
 //! path leads back. Paths run through free space only, so that the inside of a box that stands on a lit
 //! floor stays dark although it touches the floor.
 
+use super::backing::{Backing, Sheets};
 use super::regions::Outline;
 use super::types::{Patch, Side};
-use crate::geometry::{Bvh, Frame, Ray, polygon};
+use crate::geometry::{Frame, Ray, polygon};
 use crate::scene::{Scene, Sides};
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
@@ -39,6 +40,8 @@ pub(super) enum Reach {
     Black,
     /// No light reaches it, so nothing lit sees it.
     Dark,
+    /// It is the back of a surface on which another one lies, and is never seen.
+    Backed,
 }
 
 /// A patch whose centre no light reaches.
@@ -53,11 +56,7 @@ pub(super) enum Buried {
 pub(super) struct Search<'a> {
     scene: &'a Scene,
     outlines: &'a [Outline],
-    bvh: Bvh,
-    /// Front normal of each triangle.
-    normals: Vec<DVec3>,
-    /// The outline that each triangle is a part of.
-    owners: Vec<u32>,
+    sheets: &'a Sheets<'a>,
     /// Points on lamps with the direction that they shine to.
     lamps: Vec<(DVec3, DVec3)>,
     lamp_tangents: Vec<DVec3>,
@@ -67,21 +66,10 @@ pub(super) struct Search<'a> {
 }
 
 impl<'a> Search<'a> {
-    pub(super) fn new(scene: &'a Scene, outlines: &'a [Outline], size: f64) -> Self {
-        let mut triangles = Vec::new();
-        let mut normals = Vec::new();
-        let mut owners = Vec::new();
+    pub(super) fn new(scene: &'a Scene, outlines: &'a [Outline], sheets: &'a Sheets<'a>, size: f64) -> Self {
         let (mut lamps, mut lamp_tangents) = (Vec::new(), Vec::new());
-        for (index, outline) in outlines.iter().enumerate() {
+        for outline in outlines {
             let normal = outline.frame.normal;
-            for part in &outline.parts {
-                for k in 1..part.corners.len() - 1 {
-                    let triangle = [part.corners[0], part.corners[k], part.corners[k + 1]];
-                    triangles.push(triangle.map(|c| outline.world(c)));
-                    normals.push(normal);
-                    owners.push(index as u32);
-                }
-            }
             if outline.luminaire.is_some() {
                 for point in sample_points(outline, 3) {
                     lamps.push((outline.world(point), normal));
@@ -93,17 +81,7 @@ impl<'a> Search<'a> {
                 }
             }
         }
-        Self {
-            scene,
-            outlines,
-            bvh: Bvh::build(&triangles),
-            normals,
-            owners,
-            lamps,
-            lamp_tangents,
-            lit_points: Vec::new(),
-            offset: size * 1e-7,
-        }
+        Self { scene, outlines, sheets, lamps, lamp_tangents, lit_points: Vec::new(), offset: size * 1e-7 }
     }
 
     /// For every region how its front and its back stand to light.
@@ -160,7 +138,7 @@ impl<'a> Search<'a> {
             let key = (1 << 50) + LAMP_BOUNCES * path + bounce;
             let direction = frame.world(cosine_from(unit(key, 1), unit(key, 2)));
             let origin = point + frame.normal * self.offset;
-            let Some(hit) = self.bvh.nearest(&Ray { origin, direction }, 0.0, f64::INFINITY) else { break };
+            let Some(hit) = self.sheets.nearest(&Ray { origin, direction }) else { break };
             let side = self.side_met(hit.triangle, direction);
             point = origin + direction * hit.distance;
             if !met.iter().any(|m| m.0 == side) {
@@ -176,8 +154,8 @@ impl<'a> Search<'a> {
 
     /// The side (2 x region + side) of a triangle that a ray in this direction meets.
     fn side_met(&self, triangle: u32, direction: DVec3) -> usize {
-        let back = self.normals[triangle as usize].dot(direction) > 0.0;
-        2 * self.owners[triangle as usize] as usize + usize::from(back)
+        let back = self.sheets.meets_back(triangle, direction);
+        2 * self.sheets.owners[triangle as usize] as usize + usize::from(back)
     }
 
     /// Whether a side reflects nothing by its material's own word.
@@ -194,6 +172,9 @@ impl<'a> Search<'a> {
 
     fn side(&self, index: usize, side: Side) -> Reach {
         let outline = &self.outlines[index];
+        if side == Side::Back && self.sheets.backing[index] == Backing::Whole {
+            return Reach::Backed;
+        }
         let emits = outline.luminaire.is_some() && (side == Side::Front || outline.emits_back);
         let sides = self.scene.materials[outline.material as usize].sides;
         if emits || sides == Sides::Both || (sides == Sides::Front && side == Side::Front) {
@@ -203,7 +184,9 @@ impl<'a> Search<'a> {
             // Nothing is lit; every front is kept, so that there is something to see.
             return if side == Side::Front { Reach::Lit } else { Reach::Black };
         }
-        let starts: Vec<DVec3> = sample_points(outline, 12).into_iter().map(|p| outline.world(p)).collect();
+        let mut starts = sample_points(outline, 12);
+        starts.retain(|&at| side == Side::Front || !self.sheets.covers_back(index, at));
+        let starts: Vec<DVec3> = starts.into_iter().map(|p| outline.world(p)).collect();
         let seed = 2 * index as u64 + side as u64;
         match self.is_lit(&starts, self.frame(2 * index + side as usize), seed, PATHS, ENOUGH) {
             false => Reach::Dark,
@@ -263,7 +246,7 @@ impl<'a> Search<'a> {
         let origin = point + frame.normal * self.offset;
         let meets_dark = |k: &u32| {
             let direction = frame.world(cosine_direction(*k, RAYS, 0.1));
-            self.bvh.nearest(&Ray { origin, direction }, 0.0, f64::INFINITY).is_some_and(|hit| {
+            self.sheets.nearest(&Ray { origin, direction }).is_some_and(|hit| {
                 let side = self.side_met(hit.triangle, direction);
                 reached[side / 2][side % 2] == Reach::Dark
             })
@@ -294,7 +277,7 @@ impl<'a> Search<'a> {
         points.iter().any(|&(at, towards)| {
             let direction = at + towards * self.offset - origin;
             let faces = direction.dot(normal) > 0.0 && direction.dot(towards) < 0.0;
-            faces && !self.bvh.occluded(&Ray { origin, direction }, 0.0, 1.0)
+            faces && !self.sheets.occluded(&Ray { origin, direction }, 1.0)
         })
     }
 
@@ -326,12 +309,12 @@ impl<'a> Search<'a> {
             let to_target = at - point;
             if to_target.dot(frame.normal) > 0.0
                 && to_target.dot(towards) < 0.0
-                && !self.bvh.occluded(&Ray { origin: point, direction: to_target }, 0.0, 1.0)
+                && !self.sheets.occluded(&Ray { origin: point, direction: to_target }, 1.0)
             {
                 return true;
             }
             let direction = frame.world(cosine_from(unit(key, 1), unit(key, 2)));
-            let Some(hit) = self.bvh.nearest(&Ray { origin: point, direction }, 0.0, f64::INFINITY) else {
+            let Some(hit) = self.sheets.nearest(&Ray { origin: point, direction }) else {
                 return false;
             };
             point += direction * hit.distance;

@@ -1,3 +1,4 @@
+use super::backing::Backing;
 use crate::geometry::{Aabb, Frame};
 use glam::{DVec2, DVec3};
 use std::ops::Range;
@@ -55,6 +56,8 @@ pub struct Region {
     pub area: f64,
     /// For front and back whether no light reaches that side, so that nothing lit ever sees it.
     pub dark: [bool; 2],
+    /// How much of its back is covered by others that lie there and face that way.
+    pub backing: Backing,
 }
 
 /// A convex part of a surface inside one grid cell: what is drawn, and what a line of sight meets.
@@ -68,6 +71,8 @@ pub struct Piece {
     pub corners: Range<u32>,
     /// The patch on its front and on its back; [`NO_PATCH`] where that side takes no part.
     pub patches: [u32; 2],
+    /// Another surface lies on its back and faces that way, so that its back is never seen.
+    pub backed: bool,
     /// Area of one side, m².
     pub area: f64,
 }
@@ -145,7 +150,7 @@ pub struct PatchMesh {
     /// For each region the segments, in its plane coordinates, along which other surfaces stand on
     /// it: the light may jump there. Empty where regions were not cut along them.
     pub contacts: Vec<Vec<[DVec2; 2]>>,
-    /// Diagonal of the box around everything, metres.
+    /// The length that tolerances are shares of, metres: [`crate::scene::Extent::scale`].
     pub size: f64,
     /// Counts and shapes.
     pub statistics: MeshStatistics,

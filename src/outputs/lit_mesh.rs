@@ -1,16 +1,19 @@
 use crate::display::{DisplayMesh, Exposure, Shading, ToneMap, srgb_encode};
 use crate::export::{ExportError, LitMesh, write_ply};
 use crate::solver::PatchLight;
+use glam::DVec3;
 use std::path::Path;
 
 /// Writes the lit sides as triangles with radiosity at their corners, W/m² per band, and as colours
-/// what that radiosity looks like under `exposure` and `tone_map`. Positions are in metres.
+/// what that radiosity looks like under `exposure` and `tone_map`. Positions are in metres, in the
+/// coordinates of the scene's file, which count from `origin` here ([`crate::scene::Scene::origin`]).
 ///
 /// # Errors
 /// A refusal of the system.
 pub fn save_lit_mesh(
     path: &Path,
     mesh: &DisplayMesh,
+    origin: DVec3,
     light: &PatchLight,
     shading: Shading,
     exposure: Exposure,
@@ -23,8 +26,8 @@ pub fn save_lit_mesh(
         let mapped = tone_map.apply(b.map(|value| value * factor));
         mapped.map(|value| (srgb_encode(value) * 255.0).round() as u8)
     };
-    let positions: Vec<[f32; 3]> =
-        lit.iter().map(|c| (c.position.as_dvec3() + mesh.origin).as_vec3().to_array()).collect();
+    let positions: Vec<[f64; 3]> =
+        lit.iter().map(|c| (c.position.as_dvec3() + mesh.origin + origin).to_array()).collect();
     let triangles: Vec<[u32; 3]> = mesh
         .batches
         .iter()

@@ -26,14 +26,13 @@ pub struct LitScene<'a> {
 /// A refusal of the system.
 pub fn save_patch_table(path: &Path, lit: &LitScene<'_>) -> Result<(), ExportError> {
     let scene = lit.scene;
-    let per_metre = scene.unit.metres().recip();
     let rows = lit.mesh.patches.iter().enumerate().map(|(id, patch)| {
         let object = scene.surfaces.get(patch.surface as usize).map(|surface| surface.object as usize);
         PatchRow {
             id,
             surface: object.and_then(|o| scene.objects.get(o)).map_or("", String::as_str),
             material: scene.materials.get(patch.material as usize).map_or("", |m| m.name.as_str()),
-            centre: patch.centre * per_metre,
+            centre: scene.in_file(patch.centre),
             normal: patch.normal,
             area: patch.area,
             radiosity: lit.light.radiosity.get(id).copied().unwrap_or_default(),

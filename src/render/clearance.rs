@@ -7,6 +7,10 @@ use glam::DVec3;
 const CELL: f64 = 0.11;
 /// Cells in all, at most about.
 const MOST_CELLS: f64 = 700_000.0;
+/// With cells so many times as large no door is seen: then only what is around the places gets some.
+const COARSEST: f64 = 4.0;
+/// Around the places, besides half the box around them, metres for an adult.
+const AROUND: f64 = 6.0;
 /// Half a diagonal of a cell, in cells.
 const HALF_DIAGONAL: f64 = 0.866_025_403_8;
 /// One keeps so far from things where there is room, metres for an adult.
@@ -42,9 +46,18 @@ impl Clearance {
         let corners = triangles.iter().flatten().chain(places).copied().filter(|p| p.is_finite());
         let bounds = Aabb::around(corners);
         let bounds = if bounds.is_empty() { Aabb::around([DVec3::ZERO]) } else { bounds };
-        let origin = bounds.min - MARGIN * scale;
-        let size = bounds.max + MARGIN * scale - origin;
-        let cell = (CELL * scale).max((size.element_product() / MOST_CELLS).cbrt());
+        let bounds = bounds.grown(MARGIN * scale);
+        let cell_for =
+            |bounds: &Aabb| (bounds.size().element_product() / MOST_CELLS).cbrt().max(CELL * scale);
+        let visited = Aabb::around(places.iter().copied().filter(|p| p.is_finite()));
+        // On a site of kilometres one walks through a house.
+        let bounds = if cell_for(&bounds) > COARSEST * CELL * scale && !visited.is_empty() {
+            let around = visited.grown(0.5 * visited.diagonal() + AROUND * scale);
+            Aabb { min: around.min.max(bounds.min), max: around.max.min(bounds.max) }
+        } else {
+            bounds
+        };
+        let (origin, size, cell) = (bounds.min, bounds.size(), cell_for(&bounds));
         let counts = size.to_array().map(|length| (length / cell) as usize + 1);
         let mut grid = Self { origin, cell, counts, prices: Vec::new() };
         let occupied = grid.occupied(triangles);
@@ -223,11 +236,17 @@ mod tests {
     }
 
     #[test]
-    fn large_models_get_larger_cells() {
+    fn large_models_get_larger_cells_unless_only_a_part_is_walked_through() {
         let far = DVec3::new(400.0, 30.0, 250.0);
-        let grid = Clearance::new(&level(0.0), &[far], DVec3::Y, 1.0);
+        let grid = Clearance::new(&level(0.0), &[DVec3::ZERO, far], DVec3::Y, 1.0);
         let cells: usize = grid.counts().iter().product();
         assert!(cells < 900_000 && grid.cell() > 1.0, "{cells} cells of {} m", grid.cell());
         assert_eq!(grid.price_at(far), 1.0);
+        // Two kilometres of terrain around a walk of three metres.
+        let site: Vec<_> = level(0.0).into_iter().map(|t| t.map(|p| (p - 2.0) * 500.0)).collect();
+        let walk = [DVec3::new(3.0, -999.4, 4.0), DVec3::new(6.0, -999.4, 4.0)];
+        let grid = Clearance::new(&site, &walk, DVec3::Y, 1.0);
+        assert!(grid.cell() < 0.2, "cells of {} m", grid.cell());
+        assert_eq!(grid.cell_at(walk[0]).map(|n| n > 0), [true; 3]);
     }
 }

@@ -30,8 +30,8 @@ pub fn person_scale(height: f64) -> f64 {
     if height < 2.2 && height > 0.0 { height / 2.6 } else { 1.0 }
 }
 
-/// Metres a second at which one walks through a model of this height and diagonal, metres. Large models
-/// are crossed in about half a minute, whatever their unit.
+/// Metres a second at which one walks through a model of this height and scale (the diagonal of its main
+/// part, or less on a site), metres. Large models are crossed in about half a minute, whatever their unit.
 pub fn walking_pace(height: f64, diagonal: f64) -> f64 {
     let large = if diagonal > 60.0 { diagonal / 40.0 } else { 0.0 };
     (WALK_SPEED * person_scale(height)).max(large)

@@ -1,5 +1,6 @@
 //! What is doubtful about a model: its kind, how much it matters, and where it is.
 
+use super::types::{LengthUnit, UpAxis};
 use glam::DVec3;
 use std::fmt;
 
@@ -53,6 +54,10 @@ pub enum FindingKind {
     Unlit,
     /// A doubtful unit or size.
     Unit,
+    /// A doubtful up axis.
+    UpAxis,
+    /// Parts far away from the rest.
+    Stray,
     /// What was not looked for, because it would have taken too long.
     Unsearched,
 }
@@ -79,6 +84,8 @@ impl FindingKind {
             Self::Lamp => "Lamps",
             Self::Unlit => "Unlit parts",
             Self::Unit => "Unit",
+            Self::UpAxis => "Up axis",
+            Self::Stray => "Stray parts",
             Self::Unsearched => "Not looked for",
         }
     }
@@ -156,12 +163,22 @@ pub struct Finding {
     pub count: usize,
     /// Where it is.
     pub places: Places,
+    /// The unit and the up axis that would set it right.
+    pub remedy: Option<(LengthUnit, UpAxis)>,
 }
 
 impl Finding {
     /// One thing that has no place.
     pub(crate) fn new(kind: FindingKind, severity: Severity, message: impl Into<String>) -> Self {
-        Self { kind, severity, message: message.into(), consequence: "", count: 1, places: Places::default() }
+        Self {
+            kind,
+            severity,
+            message: message.into(),
+            consequence: "",
+            count: 1,
+            places: Places::default(),
+            remedy: None,
+        }
     }
 
     /// Something that was not looked for, and why.
@@ -179,6 +196,12 @@ impl Finding {
     #[must_use]
     pub(crate) fn with(self, consequence: &'static str) -> Self {
         Self { consequence, ..self }
+    }
+
+    /// The same with the unit and the up axis that would set it right.
+    #[must_use]
+    pub(crate) fn remedied(self, unit: LengthUnit, up: UpAxis) -> Self {
+        Self { remedy: Some((unit, up)), ..self }
     }
 
     /// The same at these places.

@@ -1,29 +1,29 @@
 //! One path from texts to a [`Scene`], for files and embedded scenes alike.
 
 use super::error::SceneError;
+use super::extent::{self, Extent, Footprint};
 use super::finding::{Finding, FindingKind, Severity};
 use super::lookup::{Files, read_complete};
 use super::luminaires::{Parts, gather};
 use super::mtl::Materials;
-use super::obj::Obj;
+use super::obj::{Face, Obj};
 use super::repair::repair;
 use super::sidecar::{Sidecar, Source};
-use super::types::{Scene, SceneSource};
-use super::{builtin, mtl, names, obj, polygons, text, views};
+use super::space::Space;
+use super::types::{FrameChoice, Scene, SceneSource};
+use super::{builtin, frame, mtl, names, obj, polygons, sides, text, views};
 use crate::geometry::Aabb;
 use glam::{DVec2, DVec3};
 use std::collections::HashMap;
 use std::io;
 use std::path::{Path, PathBuf};
 
-/// Beyond these extents a wrong unit is likely, metres.
-const LARGEST_EXTENT: f64 = 1e5;
-const SMALLEST_EXTENT: f64 = 1e-4;
-
 /// Where a scene's texts come from.
 struct Input<'a> {
     name: &'a str,
     source: SceneSource,
+    /// What was asked for over the sidecar.
+    choice: FrameChoice,
     /// Name of the OBJ in messages.
     obj_file: String,
     obj: &'a str,
@@ -39,7 +39,8 @@ struct Input<'a> {
 /// and line.
 pub fn load(source: &SceneSource) -> Result<Scene, SceneError> {
     match source {
-        SceneSource::File(path) => load_file(path),
+        SceneSource::File(path) => load_file(path, FrameChoice::default()),
+        SceneSource::FileAs(path, choice) => load_file(path, *choice),
         SceneSource::Builtin(name) => {
             let texts = builtin::source(name).ok_or_else(|| SceneError::UnknownBuiltin {
                 name: names::short(name),
@@ -55,6 +56,7 @@ pub fn from_text(name: &str, obj: &str, mtl: &str, sidecar_toml: Option<&str>) -
     build(Input {
         name,
         source: SceneSource::Builtin(name.to_owned()),
+        choice: FrameChoice::default(),
         obj_file: format!("{name}.obj"),
         obj,
         sidecar: sidecar_toml.map(|text| (format!("{name}.toml"), text.to_owned())),
@@ -67,7 +69,7 @@ pub fn sidecar_path(obj: &Path) -> PathBuf {
     obj.with_extension("toml")
 }
 
-fn load_file(path: &Path) -> Result<Scene, SceneError> {
+fn load_file(path: &Path, choice: FrameChoice) -> Result<Scene, SceneError> {
     let bytes = read_complete(path).map_err(|error| SceneError::reading(path, &error))?;
     let sidecar_path = sidecar_path(path);
     let sidecar = match read_complete(&sidecar_path) {
@@ -79,7 +81,8 @@ fn load_file(path: &Path) -> Result<Scene, SceneError> {
     let name = path.file_stem().map_or_else(|| "scene".into(), |stem| stem.to_string_lossy());
     build(Input {
         name: &name,
-        source: SceneSource::File(path.to_owned()),
+        source: SceneSource::File(path.to_owned()).framed(choice),
+        choice,
         obj_file: display(path),
         obj: &text::decode(&bytes),
         sidecar,
@@ -103,14 +106,19 @@ fn build(input: Input<'_>) -> Result<Scene, SceneError> {
     assign_materials(&mut obj, &materials);
     findings.extend(images_without_coordinates(&obj, &materials));
 
-    let unit = sidecar.as_ref().map(Sidecar::unit).unwrap_or_default();
-    let up = sidecar.as_ref().map(Sidecar::up).unwrap_or_default();
-    let positions: Vec<DVec3> = obj.positions.iter().map(|p| *p * unit.metres()).collect();
+    let stated = FrameChoice {
+        unit: input.choice.unit.or(sidecar.as_ref().and_then(Sidecar::unit)),
+        up: input.choice.up.or(sidecar.as_ref().and_then(Sidecar::up)),
+    };
+    let (unit, up) = (stated.unit.unwrap_or_default(), stated.up.unwrap_or_default());
+    let mut positions: Vec<DVec3> = obj.positions.iter().map(|p| *p * unit.metres()).collect();
     if Aabb::around(positions.iter().copied()).diagonal() <= 0.0 {
         let message = "all corners lie in one point, so the model has no size";
         return Err(SceneError::file(&input.obj_file, message));
     }
     let emits: Vec<bool> = materials.exitance.iter().map(|e| e.iter().any(|e| *e > 0.0)).collect();
+    let origin = origin(&obj, &positions, &emits);
+    positions.iter_mut().for_each(|p| *p -= origin);
     let mut repaired = repair(&obj, &positions, &emits);
     findings.append(&mut repaired.findings);
     let mut surfaces = repaired.surfaces;
@@ -126,28 +134,22 @@ fn build(input: Input<'_>) -> Result<Scene, SceneError> {
         given_objects: &obj.given_objects,
         materials: &materials.list,
         exitance: &materials.exitance,
+        partners: &sides::partners(&positions, &surfaces),
     };
     let mut normals = repaired.normals;
     let entries = sidecar.as_ref().zip(sidecar_source);
     let luminaires = gather(&parts, &mut surfaces, &mut normals, entries, &mut findings)?;
 
     let bookmarks = match (&sidecar, sidecar_source) {
-        (Some(sidecar), Some(source)) => sidecar.views(source)?,
+        (Some(sidecar), Some(source)) => sidecar.views(source, unit, origin)?,
         _ => Vec::new(),
-    };
-    let (views, first) = match bookmarks.is_empty() {
-        true => views::default_views(&positions, &surfaces, up),
-        false => (bookmarks, 0),
-    };
-    let start_view = match (&sidecar, sidecar_source) {
-        (Some(sidecar), Some(source)) => sidecar.start(&views, source)?.unwrap_or(first),
-        _ => first,
     };
     let mut scene = Scene {
         name: input.name.to_owned(),
         source: input.source,
         unit,
         up,
+        origin,
         positions,
         normals,
         uvs: obj.uvs,
@@ -157,12 +159,17 @@ fn build(input: Input<'_>) -> Result<Scene, SceneError> {
         materials: materials.list,
         textures: textures.list,
         luminaires,
-        views,
-        start_view,
-        patch_size: sidecar.and_then(|s| s.patch_size).map(|size| size.into_inner()),
+        views: bookmarks,
+        start_view: 0,
+        patch_size: sidecar.as_ref().and_then(|s| s.patch_size.as_ref()).map(|size| *size.get_ref()),
         findings,
     };
-    scene.findings.extend(absurd_size(&scene));
+    judge(&mut scene, stated);
+    if let (Some(sidecar), Some(source)) = (&sidecar, sidecar_source)
+        && let Some(start) = sidecar.start(&scene.views, source)?
+    {
+        scene.start_view = start;
+    }
     Ok(scene)
 }
 
@@ -202,19 +209,28 @@ fn images_without_coordinates(obj: &Obj, materials: &Materials) -> Option<Findin
     Some(finding.counted(faces.len()).with("the mean of the image counts there"))
 }
 
-fn absurd_size(scene: &Scene) -> Option<Finding> {
-    let extent = scene.bounds().size().max_element();
-    let side = if extent > LARGEST_EXTENT {
-        "large"
-    } else if extent < SMALLEST_EXTENT {
-        "small"
-    } else {
-        return None;
+/// Where positions are to count from: near the part that is looked at, where that is far away.
+fn origin(obj: &Obj, positions: &[DVec3], emits: &[bool]) -> DVec3 {
+    let footprint = |face: &Face| {
+        let outline: Vec<DVec3> = face.corners.iter().map(|c| positions[c.0 as usize]).collect();
+        Footprint::of(&outline, emits.get(face.material as usize).copied().unwrap_or(false))
     };
-    let message = format!(
-        "the model measures {extent:.3e} m, which is very {side} for a building; \
-         set its unit (mm, cm, m, in or ft) in {}.toml if metres are wrong",
-        scene.name
-    );
-    Some(Finding::new(FindingKind::Unit, Severity::Warning, message))
+    Extent::of(&obj.faces.iter().map(footprint).collect::<Vec<_>>()).origin()
+}
+
+/// Says what is doubtful about where and how large the model is, and makes up views where it has none.
+fn judge(scene: &mut Scene, stated: FrameChoice) {
+    let extent = scene.extent();
+    let mut findings = Vec::new();
+    extent::report(scene, &extent, &mut findings);
+    let is_known = stated.unit.is_some() && stated.up.is_some() && !frame::is_absurd(&extent);
+    if scene.views.is_empty() || !is_known {
+        let space = Space::of(scene, &extent);
+        let judgement = frame::judge(scene, &extent, &space, stated);
+        findings.extend(judgement.findings);
+        if scene.views.is_empty() {
+            (scene.views, scene.start_view) = views::default_views(scene, &space, judgement.scale);
+        }
+    }
+    scene.findings.append(&mut findings);
 }

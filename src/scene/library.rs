@@ -6,7 +6,7 @@ use super::lookup::{Files, Found, reason};
 use super::map::Map;
 use super::names;
 use super::tally::Remarks;
-use super::text::{folded, keyword, listed, logical_lines, number, uncommented, unquoted, words};
+use super::text::{keyword, listed, logical_lines, number, uncommented, unquoted, words};
 use std::collections::{HashMap, HashSet};
 use std::path::{Path, PathBuf};
 
@@ -244,40 +244,6 @@ fn rgb_of_xyz([x, y, z]: [f64; 3]) -> [f64; 3] {
     .map(|band| if band.is_nan() { band } else { band.max(0.0) })
 }
 
-/// A name as it is shown, which no other has, and as the file gives it, which several may have.
-pub(super) type ShownAndGiven<'a> = (&'a str, &'a str);
-
-/// Which of `names` somebody means by `wanted`.
-///
-/// The first of these that fits counts: a shown name, a name in the file, and both without regard to
-/// capitals, underscores and blanks.
-///
-/// # Errors
-/// Where it could be several names of the file, those.
-pub(super) fn meant<'a>(wanted: &str, names: &[ShownAndGiven<'a>]) -> Result<Vec<usize>, Vec<&'a str>> {
-    let plain = folded(wanted);
-    let tests: [&dyn Fn(&str, &str) -> bool; 4] = [
-        &|shown, _| shown == wanted,
-        &|_, given| given == wanted,
-        &|shown, _| folded(shown) == plain,
-        &|_, given| folded(given) == plain,
-    ];
-    for test in tests {
-        let numbered = names.iter().enumerate();
-        let found: Vec<usize> =
-            numbered.filter(|(_, (shown, given))| test(shown, given)).map(|(index, _)| index).collect();
-        let mut distinct: Vec<&str> = found.iter().map(|&index| names[index].1).collect();
-        distinct.sort_unstable();
-        distinct.dedup();
-        match distinct.len() {
-            0 => {}
-            1 => return Ok(found),
-            _ => return Err(distinct),
-        }
-    }
-    Ok(Vec::new())
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -311,18 +277,5 @@ mod tests {
     fn xyz_of_a_grey_is_that_grey() {
         let rgb = rgb_of_xyz([0.95047 * 0.3, 0.3, 1.08883 * 0.3]);
         assert!(rgb.iter().all(|band| (band - 0.3).abs() < 1e-4), "{rgb:?}");
-    }
-
-    #[test]
-    fn a_name_means_what_fits_best() {
-        let names =
-            [("lamp 1", "lamp"), ("lamp 2", "lamp"), ("Desk_lamp", "Desk_lamp"), ("desk lamp", "desk lamp")];
-        let meant = |wanted| super::meant(wanted, &names);
-        assert_eq!(meant("lamp"), Ok(vec![0, 1]));
-        assert_eq!(meant("LAMP_2"), Ok(vec![1]));
-        assert_eq!(meant("Lamp"), Ok(vec![0, 1]));
-        assert_eq!(meant("desk lamp"), Ok(vec![3]));
-        assert_eq!(meant("DESK LAMP"), Err(vec!["Desk_lamp", "desk lamp"]));
-        assert_eq!(meant("roof"), Ok(vec![]));
     }
 }

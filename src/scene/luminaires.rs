@@ -3,14 +3,13 @@
 use super::colour::{black_body, normalised};
 use super::error::SceneError;
 use super::finding::{Finding, FindingKind, Severity};
-use super::library::{ShownAndGiven, meant};
 use super::names;
+use super::selection::{Selection, material_names, shown_and_given};
 use super::sidecar::{EmitsKey, LuminaireEntry, Sidecar, Source};
 use super::types::{LUMINOUS_EFFICACY, LampState, Luminaire, Material, Scene, Surface, luminance_weighted};
 use crate::geometry::polygon;
 use glam::DVec3;
-use std::collections::{BTreeMap, BTreeSet, HashMap, HashSet};
-use std::ops::Range;
+use std::collections::{BTreeMap, HashMap, HashSet};
 
 /// The parts of a scene that lamps are made of.
 pub(super) struct Parts<'a> {
@@ -21,6 +20,22 @@ pub(super) struct Parts<'a> {
     pub(super) materials: &'a [Material],
     /// Exitance of each material by its Ke, W/m² per band.
     pub(super) exitance: &'a [[f64; 3]],
+    /// For each surface the one that is written for its other side.
+    pub(super) partners: &'a [Option<u32>],
+}
+
+impl Parts<'_> {
+    fn partner(&self, surface: usize) -> Option<usize> {
+        self.partners[surface].map(|p| p as usize)
+    }
+}
+
+/// A surface that emits, and the one whose material says how strongly: the same, but where a lamp that
+/// emits from both sides has its other side written as a face of its own.
+#[derive(Clone, Copy)]
+struct Member {
+    surface: usize,
+    like: usize,
 }
 
 /// Above this share of the area that emits by its Ke an exporter has probably written a Ke that is none.
@@ -48,7 +63,10 @@ pub(super) fn gather(
             if let Some(fault) = entry.fault() {
                 return Err(fail(fault));
             }
-            let lamps = lamps_of(entry, parts, surfaces).map_err(fail)?;
+            let mut lamps = lamps_of(entry, parts, surfaces).map_err(fail)?;
+            if entry.emits == Some(EmitsKey::Both) {
+                add_other_sides(&mut lamps, parts, surfaces);
+            }
             if lamps.len() > 1 {
                 let object = names::short(entry.object.as_deref().unwrap_or_default());
                 let message = format!(
@@ -60,7 +78,7 @@ pub(super) fn gather(
             }
             let is_one = lamps.len() == 1;
             for (k, members) in lamps.into_iter().enumerate() {
-                let object = &parts.objects[surfaces[members[0]].object as usize];
+                let object = &parts.objects[surfaces[members[0].surface].object as usize];
                 let name = match (&entry.name, is_one) {
                     (Some(_), true) if !taken.insert(entry_name.clone()) => {
                         return Err(fail("is there twice; names must differ".to_owned()));
@@ -73,7 +91,12 @@ pub(super) fn gather(
                 let number = luminaires.len() as u32;
                 let initial = light(entry, parts, surfaces, &members, number).map_err(fail)?;
                 if entry.emits == Some(EmitsKey::Back) {
-                    members.iter().for_each(|&m| turn(&mut surfaces[m], normals));
+                    // What is written for the other side changes places with it.
+                    let both = |m: &Member| [Some(m.surface), parts.partner(m.surface)];
+                    let mut turned: Vec<usize> = members.iter().flat_map(both).flatten().collect();
+                    turned.sort_unstable();
+                    turned.dedup();
+                    turned.into_iter().for_each(|m| turn(&mut surfaces[m], normals));
                 }
                 luminaires.push(Luminaire { name, area: area(parts, surfaces, &members), initial });
             }
@@ -88,8 +111,9 @@ pub(super) fn gather(
         let name =
             default_name(&parts.objects[object as usize], several, &parts.materials[material as usize].name);
         let exitance = parts.exitance[material as usize];
-        for &member in &members {
-            surfaces[member].emission_weight = [1.0; 3];
+        let members: Vec<Member> = members.into_iter().map(|m| Member { surface: m, like: m }).collect();
+        for member in &members {
+            surfaces[member.surface].emission_weight = [1.0; 3];
         }
         let initial = LampState { on: true, dimmer: 1.0, exitance };
         luminaires.push(Luminaire {
@@ -98,7 +122,7 @@ pub(super) fn gather(
             initial,
         });
         for member in members {
-            surfaces[member].luminaire = Some(luminaires.len() as u32 - 1);
+            surfaces[member.surface].luminaire = Some(luminaires.len() as u32 - 1);
         }
     }
     Ok(luminaires)
@@ -135,13 +159,11 @@ fn surface_area(positions: &[DVec3], surface: &Surface) -> f64 {
 }
 
 /// Emitting area: both sides count where both emit.
-fn area(parts: &Parts<'_>, surfaces: &[Surface], members: &[usize]) -> f64 {
-    members
-        .iter()
-        .map(|&m| {
-            surface_area(parts.positions, &surfaces[m]) * if surfaces[m].emits_back { 2.0 } else { 1.0 }
-        })
-        .sum()
+fn area(parts: &Parts<'_>, surfaces: &[Surface], members: &[Member]) -> f64 {
+    let of = |surface: &Surface| {
+        surface_area(parts.positions, surface) * if surface.emits_back { 2.0 } else { 1.0 }
+    };
+    members.iter().map(|m| of(&surfaces[m.surface])).sum()
 }
 
 /// A warning where much of the model emits, and no sidecar says that it is to.
@@ -165,67 +187,13 @@ fn emission_everywhere(
     Some(Finding::new(FindingKind::Lamp, Severity::Warning, message).counted(free.len()))
 }
 
-/// The objects and materials that an entry selects.
-struct Selection {
-    /// Which objects, and whether the entry means each of them by itself.
-    objects: Vec<bool>,
-    each: bool,
-    materials: Vec<bool>,
-}
-
-impl Selection {
-    fn of(
-        entry: &LuminaireEntry,
-        objects: &[ShownAndGiven<'_>],
-        materials: &[ShownAndGiven<'_>],
-    ) -> Result<Self, String> {
-        let pick = |kind: &str, wanted: &mut dyn Iterator<Item = &str>, names: &[ShownAndGiven<'_>]| {
-            let mut chosen = None;
-            for name in wanted {
-                let found = meant(name, names).map_err(|several| {
-                    let (name, several) = (names::short(name), names::list(several));
-                    format!("asks for the {kind} '{name}', which could be any of {several}; write the name as it is")
-                })?;
-                if found.is_empty() {
-                    let near = names::list(names::nearest(name, names.iter().map(|(shown, _)| *shown)));
-                    let name = names::short(name);
-                    return Err(format!(
-                        "asks for the {kind} '{name}', which is not there; the nearest names are {near}"
-                    ));
-                }
-                let chosen = chosen.get_or_insert_with(|| vec![false; names.len()]);
-                found.into_iter().for_each(|index| chosen[index] = true);
-            }
-            Ok(chosen.unwrap_or_else(|| vec![true; names.len()]))
-        };
-        Ok(Self {
-            objects: pick("object", &mut entry.objects(), objects)?,
-            each: entry.object.is_some() && entry.objects.is_empty(),
-            materials: pick("material", &mut entry.materials(), materials)?,
-        })
-    }
-
-    fn holds(&self, surface: &Surface) -> bool {
-        let at = |list: &[bool], index: u32| list.get(index as usize).copied().unwrap_or(false);
-        at(&self.objects, surface.object) && at(&self.materials, surface.material)
-    }
-}
-
-fn shown_and_given<'a>(objects: &'a [String], given: &'a [String]) -> Vec<ShownAndGiven<'a>> {
-    objects.iter().map(String::as_str).zip(given.iter().map(String::as_str)).collect()
-}
-
-fn material_names(materials: &[Material]) -> Vec<ShownAndGiven<'_>> {
-    materials.iter().map(|material| (material.name.as_str(), material.name.as_str())).collect()
-}
-
 /// The lamps of an entry by their surfaces: of those selected and free the ones that emit, or all if none
 /// does. An entry for one `object` makes a lamp of each that has this name in the file.
 fn lamps_of(
     entry: &LuminaireEntry,
     parts: &Parts<'_>,
     surfaces: &[Surface],
-) -> Result<Vec<Vec<usize>>, String> {
+) -> Result<Vec<Vec<Member>>, String> {
     let objects = shown_and_given(parts.objects, parts.given_objects);
     let selection = Selection::of(entry, &objects, &material_names(parts.materials))?;
     let mut members: Vec<usize> = (0..surfaces.len()).filter(|&i| selection.holds(&surfaces[i])).collect();
@@ -239,80 +207,26 @@ fn lamps_of(
     if members.iter().any(|&i| emits(parts, &surfaces[i])) {
         members.retain(|&i| emits(parts, &surfaces[i]));
     }
-    if !selection.each {
-        return Ok(vec![members]);
-    }
-    let mut by_object: BTreeMap<u32, Vec<usize>> = BTreeMap::new();
+    let mut by_object: BTreeMap<u32, Vec<Member>> = BTreeMap::new();
     for member in members {
-        by_object.entry(surfaces[member].object).or_default().push(member);
+        let object = if selection.each { surfaces[member].object } else { 0 };
+        by_object.entry(object).or_default().push(Member { surface: member, like: member });
     }
     Ok(by_object.into_values().collect())
 }
 
-/// The lamps that the entries of a sidecar have made, as ranges of [`Scene::luminaires`]; `None` where the
-/// sidecar is not the one that the scene was read with.
-pub(super) fn lamps_of_entries(scene: &Scene, sidecar: &Sidecar) -> Option<Vec<Range<usize>>> {
-    let objects = shown_and_given(&scene.objects, &scene.given_objects);
-    let materials = material_names(&scene.materials);
-    let mut of_lamps: Vec<Vec<&Surface>> = vec![Vec::new(); scene.luminaires.len()];
-    for surface in &scene.surfaces {
-        if let Some(lamp) = surface.luminaire {
-            of_lamps.get_mut(lamp as usize)?.push(surface);
-        }
-    }
-    let mut ranges = Vec::new();
-    let mut next = 0;
-    for entry in &sidecar.luminaires {
-        let selection = Selection::of(entry.get_ref(), &objects, &materials).ok()?;
-        let start = next;
-        let mut seen = HashSet::new();
-        while let Some(surfaces) = of_lamps.get(next) {
-            let is_own = surfaces.iter().all(|surface| selection.holds(surface));
-            // Of an entry that makes several lamps each is another object.
-            let goes_on = next == start
-                || selection.each && surfaces.iter().all(|surface| !seen.contains(&surface.object));
-            if !is_own || !goes_on {
-                break;
-            }
-            seen.extend(surfaces.iter().map(|surface| surface.object));
-            next += 1;
-        }
-        if next == start {
-            return None;
-        }
-        ranges.push(start..next);
-    }
-    Some(ranges)
-}
-
-/// See [`Scene::luminaires_named`].
-pub(super) fn named(scene: &Scene, name: &str) -> Vec<usize> {
-    let lamps: Vec<ShownAndGiven<'_>> =
-        scene.luminaires.iter().map(|lamp| (lamp.name.as_str(), lamp.name.as_str())).collect();
-    // Names that could be several are those of all.
-    let all = |names: &[ShownAndGiven<'_>]| match meant(name, names) {
-        Ok(found) => found,
-        Err(several) => (0..names.len()).filter(|&index| several.contains(&names[index].1)).collect(),
+/// Adds the faces that are written for the other sides of these, but for those that emit by themselves.
+fn add_other_sides(lamps: &mut [Vec<Member>], parts: &Parts<'_>, surfaces: &[Surface]) {
+    let own: HashSet<usize> = lamps.iter().flatten().map(|m| m.surface).collect();
+    let is_free = |&other: &usize| {
+        !own.contains(&other) && surfaces[other].luminaire.is_none() && !emits(parts, &surfaces[other])
     };
-    let own = all(&lamps);
-    if !own.is_empty() {
-        return own;
+    let other_side =
+        |like: usize| parts.partner(like).filter(is_free).map(|surface| Member { surface, like });
+    for members in lamps {
+        let others: Vec<Member> = members.iter().filter_map(|m| other_side(m.surface)).collect();
+        members.extend(others);
     }
-    let of_surfaces = |chosen: &dyn Fn(&Surface) -> bool| {
-        let surfaces = scene.surfaces.iter().filter(|surface| chosen(surface));
-        let lamps: BTreeSet<usize> =
-            surfaces.filter_map(|surface| surface.luminaire).map(|l| l as usize).collect();
-        lamps.into_iter().collect::<Vec<_>>()
-    };
-    let objects: HashSet<u32> =
-        all(&shown_and_given(&scene.objects, &scene.given_objects)).into_iter().map(|o| o as u32).collect();
-    let found = of_surfaces(&|surface| objects.contains(&surface.object));
-    if !found.is_empty() {
-        return found;
-    }
-    let materials: HashSet<u32> =
-        all(&material_names(&scene.materials)).into_iter().map(|m| m as u32).collect();
-    of_surfaces(&|surface| materials.contains(&surface.material))
 }
 
 /// Sets the emission of a lamp's surfaces and returns its state.
@@ -322,11 +236,11 @@ fn light(
     entry: &LuminaireEntry,
     parts: &Parts<'_>,
     surfaces: &mut [Surface],
-    members: &[usize],
+    members: &[Member],
     number: u32,
 ) -> Result<LampState, String> {
     let given: Vec<[f64; 3]> =
-        members.iter().map(|&m| parts.exitance[surfaces[m].material as usize]).collect();
+        members.iter().map(|m| parts.exitance[surfaces[m.like].material as usize]).collect();
     let mut largest = [0.0_f64; 3];
     for exitance in &given {
         for band in 0..3 {
@@ -334,10 +248,10 @@ fn light(
         }
     }
     let dark = largest == [0.0; 3];
-    for (&member, exitance) in members.iter().zip(&given) {
-        let surface = &mut surfaces[member];
+    for (member, exitance) in members.iter().zip(&given) {
+        let surface = &mut surfaces[member.surface];
         surface.luminaire = Some(number);
-        surface.emits_back = entry.emits == Some(EmitsKey::Both);
+        surface.emits_back = entry.emits == Some(EmitsKey::Both) && parts.partner(member.surface).is_none();
         for band in 0..3 {
             // A band that no surface emits by itself is the same for all when the entry gives it one.
             surface.emission_weight[band] =
@@ -365,7 +279,7 @@ fn light(
         let strength = luminance_weighted(largest);
         return Ok(state(colour.map(|c| c * strength)));
     };
-    let per_unit: f64 = members.iter().map(|&m| flux(parts.positions, &surfaces[m], colour)).sum();
+    let per_unit: f64 = members.iter().map(|m| flux(parts.positions, &surfaces[m.surface], colour)).sum();
     let factor = lumens / per_unit;
     if !factor.is_finite() {
         return Err("cannot give that many lumens: its surfaces emit nothing in that colour".to_owned());
@@ -532,26 +446,6 @@ mod tests {
         assert!((lumens(&one)[0][0] - 800.0).abs() < 1e-9);
         assert_eq!(names(&read("object = \"SPOT 2\"")), ["SPOT 2", "Spot 1", "Desk Lamp"]);
         assert_eq!(names(&read("object = \"desk lamp\"\nname = \"D\"")), ["D", "Spot 1", "Spot 2"]);
-    }
-
-    #[test]
-    fn lamps_are_found_by_their_names_or_those_of_objects_and_materials() {
-        let scene =
-            from_text("t", SAME, MTL, Some("[[luminaire]]\nobject = \"Desk_Lamp\"\nname = \"Reader\""))
-                .unwrap();
-        for (name, expected) in [
-            ("Reader", vec![0]),
-            ("reader", vec![0]),
-            ("desk lamp", vec![0]),
-            ("spot_2", vec![2]),
-            ("Spot", vec![1, 2]),
-            ("BRIGHT", vec![1, 2]),
-            ("dim", vec![0]),
-            ("floor", vec![]),
-            ("nothing", vec![]),
-        ] {
-            assert_eq!(scene.luminaires_named(name), expected, "{name}");
-        }
     }
 
     #[test]

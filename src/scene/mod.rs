@@ -18,7 +18,9 @@ pub mod builtin;
 mod colour;
 mod doctor;
 mod error;
+mod extent;
 mod finding;
+mod frame;
 mod import;
 mod library;
 mod lookup;
@@ -28,20 +30,26 @@ mod mend;
 mod mtl;
 mod names;
 mod obj;
+mod outlines;
 mod polygons;
 mod repair;
+mod selection;
 mod sidecar;
 mod sidecar_write;
+mod sides;
+mod space;
 mod summary;
 mod tally;
 mod text;
 mod textures;
 mod types;
+mod up_axis;
 mod views;
 
 pub use colour::black_body;
 pub use doctor::{Crossing, Examination, check, examine};
 pub use error::SceneError;
+pub use extent::Extent;
 pub use finding::{Finding, FindingKind, MOST_PLACES, Places, Severity};
 pub use import::{from_text, load, sidecar_path};
 pub use luminaires::lumens;
@@ -51,7 +59,7 @@ pub(crate) use names::{grouped, list as name_list};
 pub use sidecar_write::{sidecar_text, write_frame, write_sidecar};
 pub use summary::{LuminaireSummary, MaterialSummary, Summary};
 pub use types::{
-    Corner, LampState, LengthUnit, Lighting, Luminaire, Material, Scene, SceneSource, Sides, Surface,
-    Texture, UpAxis, View,
+    Corner, FrameChoice, LampState, LengthUnit, Lighting, Luminaire, Material, Scene, SceneSource, Sides,
+    Surface, Texture, UpAxis, View,
 };
 pub use types::{LUMINOUS_EFFICACY, MAX_REFLECTANCE, illuminance, luminance_weighted};

@@ -2,9 +2,9 @@
 
 use super::error::SceneError;
 use super::finding::{Finding, FindingKind, Severity};
-use super::library::meant;
 use super::mtl::repair_reflectance;
 use super::names;
+use super::selection::{material_names, meant};
 use super::text::folded;
 use super::types::{LengthUnit, MAX_REFLECTANCE, Material, Sides, UpAxis, View};
 use glam::DVec3;
@@ -193,20 +193,27 @@ impl Source<'_> {
 }
 
 impl Sidecar {
-    pub(super) fn unit(&self) -> LengthUnit {
-        self.unit.map(Into::into).unwrap_or_default()
+    /// The unit, where it is stated.
+    pub(super) fn unit(&self) -> Option<LengthUnit> {
+        self.unit.map(Into::into)
     }
 
-    pub(super) fn up(&self) -> UpAxis {
-        match self.up {
-            Some(UpKey::Z) => UpAxis::Z,
-            _ => UpAxis::Y,
-        }
+    /// The up axis, where it is stated.
+    pub(super) fn up(&self) -> Option<UpAxis> {
+        self.up.map(|up| match up {
+            UpKey::Y => UpAxis::Y,
+            UpKey::Z => UpAxis::Z,
+        })
     }
 
-    /// The bookmarks in metres; empty where there are none.
-    pub(super) fn views(&self, source: Source<'_>) -> Result<Vec<View>, SceneError> {
-        let metres = self.unit().metres();
+    /// The bookmarks in metres from `origin`, of a file in this unit; empty where there are none.
+    pub(super) fn views(
+        &self,
+        source: Source<'_>,
+        unit: LengthUnit,
+        origin: DVec3,
+    ) -> Result<Vec<View>, SceneError> {
+        let metres = unit.metres();
         let mut taken = HashSet::new();
         let mut views = Vec::with_capacity(self.views.len());
         for entry in &self.views {
@@ -218,7 +225,8 @@ impl Sidecar {
             if !taken.insert(name.clone()) {
                 return fail(format!("two views are named '{}'; names must differ", names::short(name)));
             }
-            let (eye, target) = (DVec3::from(entry.eye) * metres, DVec3::from(entry.target) * metres);
+            let (eye, target) =
+                (DVec3::from(entry.eye) * metres - origin, DVec3::from(entry.target) * metres - origin);
             if !(eye.is_finite() && target.is_finite() && eye.distance(target) > 1e-9) {
                 return fail(format!(
                     "the view '{}' must look from one point to another",
@@ -262,8 +270,7 @@ impl Sidecar {
     ) -> Result<(), SceneError> {
         for entry in &self.materials {
             let name = entry.name.get_ref();
-            let known: Vec<_> = materials.iter().map(|m| (m.name.as_str(), m.name.as_str())).collect();
-            let index = meant(name, &known).map_err(|several| {
+            let index = meant(name, &material_names(materials)).map_err(|several| {
                 let (name, several) = (names::short(name), names::list(several));
                 let message =
                     format!("'{name}' could be any of the materials {several}; write the name as it is");

@@ -1,7 +1,8 @@
 //! Edited lamps, materials and bookmarks written back to the sidecar.
 
 use super::error::SceneError;
-use super::luminaires::{lamps_of_entries, selectors};
+use super::luminaires::selectors;
+use super::selection::lamps_of_entries;
 use super::sidecar::{LuminaireEntry, MaterialEntry, Sidecar, SidesKey, Source, UpKey, ViewEntry};
 use super::text;
 use super::types::{LampState, LengthUnit, Lighting, Luminaire, Scene, Sides, UpAxis};
@@ -37,14 +38,13 @@ pub fn sidecar_text(
     sidecar.up = Some(if scene.up == UpAxis::Z { UpKey::Z } else { UpKey::Y });
     sidecar.patch_size = scene.patch_size.map(unplaced);
     sidecar.start = scene.views.get(scene.start_view).map(|view| unplaced(view.name.clone()));
-    let units = 1.0 / scene.unit.metres();
     sidecar.views = scene
         .views
         .iter()
         .map(|view| ViewEntry {
             name: unplaced(view.name.clone()),
-            eye: (view.eye * units).to_array(),
-            target: (view.target * units).to_array(),
+            eye: scene.in_file(view.eye).to_array(),
+            target: scene.in_file(view.target).to_array(),
             fov: view.fov_y_deg,
         })
         .collect();
@@ -291,6 +291,29 @@ mod tests {
         let text = sidecar_text(&scene, &scene.lighting(), &[], Some(SIDECAR)).unwrap();
         assert!(text.contains("lumens = 450") && text.contains("cct = 2700"), "{text}");
         assert!(!text.contains("exitance"), "{text}");
+    }
+
+    #[test]
+    fn an_entry_for_several_lamps_is_one_until_one_of_them_differs() {
+        let obj = OBJ.replace("o hall_lamp", "o spot").replace("o desk", "o spot");
+        let sidecar = "[[luminaire]]\n# As bought.\nobject = \"spot\"\nlumens = 800\n";
+        let scene = from_text("t", &obj, MTL, Some(sidecar)).unwrap();
+        assert_eq!(scene.luminaires.len(), 2);
+        let mut lighting = scene.lighting();
+        let read_back = |lighting: &Lighting| {
+            let text = sidecar_text(&scene, lighting, &[], Some(sidecar)).unwrap();
+            let again = from_text("t", &obj, MTL, Some(&text)).unwrap_or_else(|e| panic!("{e}\n{text}"));
+            let names = |scene: &Scene| scene.luminaires.iter().map(|l| l.name.clone()).collect::<Vec<_>>();
+            assert_eq!(names(&again), names(&scene), "{text}");
+            assert_eq!(again.lighting(), *lighting, "{text}");
+            (text.matches("lumens = 800").count(), text.matches("exitance").count())
+        };
+        lighting.lamps.iter_mut().for_each(|lamp| lamp.dimmer = 0.5);
+        assert_eq!(read_back(&lighting), (1, 0));
+        lighting.lamps[1].on = false;
+        assert_eq!(read_back(&lighting), (2, 0));
+        lighting.lamps[0].exitance = [1.0, 2.0, 3.0];
+        assert_eq!(read_back(&lighting), (1, 1));
     }
 
     #[test]

@@ -107,7 +107,7 @@ impl Summary {
                 .count(),
             positions: scene.positions.len(),
             objects: scene.objects.len(),
-            bounds: scene.bounds(),
+            bounds: scene.extent().main,
             area: areas.iter().sum(),
             materials: materials.collect(),
             luminaires: luminaires.collect(),

@@ -1,8 +1,9 @@
+use super::extent::{Extent, Footprint};
 use super::finding::Finding;
 use super::text::folded;
 use crate::geometry::Aabb;
 use glam::{DVec2, DVec3};
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// Lumens per watt of equal-energy white in the three bands (the convention of Radiance,
 /// Ward 1994: 179 lm/W).
@@ -32,6 +33,9 @@ pub struct Scene {
     pub unit: LengthUnit,
     /// Which way is up in the file and here (axes are kept).
     pub up: UpAxis,
+    /// Where [`Scene::positions`] count from in the file's coordinates, metres: zero but for models far
+    /// from their origin, which would lose digits there.
+    pub origin: DVec3,
     /// Corner positions, metres.
     pub positions: Vec<DVec3>,
     /// Unit normals that the file gives for smooth surfaces.
@@ -69,6 +73,23 @@ impl Scene {
         )
     }
 
+    /// Where the part that is looked at is, and the length that tolerances are shares of.
+    pub fn extent(&self) -> Extent {
+        let footprint =
+            |surface: &Surface| Footprint::of(&self.polygon(surface), surface.luminaire.is_some());
+        Extent::of(&self.surfaces.iter().map(footprint).collect::<Vec<_>>())
+    }
+
+    /// A place in the coordinates and the unit of the file, here in metres.
+    pub fn in_scene(&self, place: DVec3) -> DVec3 {
+        place * self.unit.metres() - self.origin
+    }
+
+    /// A place here, in the coordinates and the unit of the file.
+    pub fn in_file(&self, place: DVec3) -> DVec3 {
+        (place + self.origin) / self.unit.metres()
+    }
+
     /// Corner positions of a surface in order, metres.
     pub fn polygon(&self, surface: &Surface) -> Vec<DVec3> {
         surface.corners.iter().map(|c| self.positions[c.position as usize]).collect()
@@ -77,6 +98,14 @@ impl Scene {
     /// Triangles of all surfaces, metres.
     pub fn triangles(&self) -> Vec<[DVec3; 3]> {
         super::views::triangles(&self.positions, &self.surfaces).0
+    }
+
+    /// Triangles of the surfaces that belong to the main part, metres.
+    pub fn main_triangles(&self, extent: &Extent) -> Vec<[DVec3; 3]> {
+        let (mut triangles, owners) = super::views::triangles(&self.positions, &self.surfaces);
+        let mut owners = owners.iter();
+        triangles.retain(|_| owners.next().is_none_or(|o| extent.stray.binary_search(o).is_err()));
+        triangles
     }
 
     /// The state in which the lamps come with the file.
@@ -88,7 +117,7 @@ impl Scene {
     /// else by those of their materials. An exact name comes first, then one without regard to capitals,
     /// underscores and blanks. Several luminaires may have surfaces of one object or material.
     pub fn luminaires_named(&self, name: &str) -> Vec<usize> {
-        super::luminaires::named(self, name)
+        super::selection::named(self, name)
     }
 
     /// Index of the view with this name: exact first, then ignoring capitals, underscores and blanks.
@@ -103,14 +132,55 @@ impl Scene {
 pub enum SceneSource {
     /// An OBJ file.
     File(PathBuf),
+    /// An OBJ file, in another unit or with another axis up than its sidecar says.
+    FileAs(PathBuf, FrameChoice),
     /// An embedded scene, by name.
     Builtin(String),
+}
+
+impl SceneSource {
+    /// The OBJ file, where it is one.
+    pub fn path(&self) -> Option<&Path> {
+        match self {
+            Self::File(path) | Self::FileAs(path, _) => Some(path),
+            Self::Builtin(_) => None,
+        }
+    }
+
+    /// Whether both are one model, in whatever unit and whichever way up it is read.
+    pub fn is_same_model(&self, other: &Self) -> bool {
+        match (self.path(), other.path()) {
+            (Some(one), Some(another)) => one == another,
+            _ => self == other,
+        }
+    }
+
+    /// The same file under `choice`; embedded scenes know their unit and axis.
+    #[must_use]
+    pub fn framed(self, choice: FrameChoice) -> Self {
+        match self {
+            Self::File(path) | Self::FileAs(path, _) if choice != FrameChoice::default() => {
+                Self::FileAs(path, choice)
+            }
+            Self::FileAs(path, _) => Self::File(path),
+            other => other,
+        }
+    }
+}
+
+/// A unit and an up axis that somebody has chosen over those of the file.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub struct FrameChoice {
+    /// `None`: as the sidecar says, metres without one.
+    pub unit: Option<LengthUnit>,
+    /// `None`: as the sidecar says, +y without one.
+    pub up: Option<UpAxis>,
 }
 
 impl std::fmt::Display for SceneSource {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         match self {
-            Self::File(path) => write!(f, "{}", path.display()),
+            Self::File(path) | Self::FileAs(path, _) => write!(f, "{}", path.display()),
             Self::Builtin(name) => write!(f, "builtin:{name}"),
         }
     }
@@ -277,7 +347,7 @@ pub struct View {
 }
 
 /// A length unit of a file.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum LengthUnit {
     /// 0.001 m
     Millimetre,
@@ -293,6 +363,9 @@ pub enum LengthUnit {
 }
 
 impl LengthUnit {
+    /// All of them, by size.
+    pub const ALL: [Self; 5] = [Self::Millimetre, Self::Centimetre, Self::Inch, Self::Foot, Self::Metre];
+
     /// Metres in one unit.
     pub fn metres(self) -> f64 {
         match self {
@@ -301,6 +374,17 @@ impl LengthUnit {
             Self::Metre => 1.0,
             Self::Inch => 0.0254,
             Self::Foot => 0.3048,
+        }
+    }
+
+    /// Its name in the plural: "feet".
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Millimetre => "millimetres",
+            Self::Centimetre => "centimetres",
+            Self::Metre => "metres",
+            Self::Inch => "inches",
+            Self::Foot => "feet",
         }
     }
 
@@ -317,7 +401,7 @@ impl LengthUnit {
 }
 
 /// Which axis points up.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum UpAxis {
     /// +y, as most OBJ files have it.
     #[default]

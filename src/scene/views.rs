@@ -1,20 +1,34 @@
 //! Places to stand in a scene that comes without bookmarks.
 
-use super::types::{Surface, UpAxis, View};
-use crate::geometry::{Aabb, Bvh, Frame, Ray, polygon};
+use super::space::{Floor, Space};
+use super::types::{Scene, Surface, View};
+use crate::geometry::{Aabb, Frame, polygon};
 use glam::{DVec2, DVec3};
+use std::collections::HashSet;
 use std::f64::consts::{PI, TAU};
 
-/// Candidates along each side of the plan.
-const GRID: usize = 9;
-/// Directions looked into around a candidate.
+/// Points on floors that are tried.
+const CANDIDATES: usize = 240;
+/// Lamps below which one tries to stand.
+const LAMPS: usize = 40;
+/// Places that are looked around from.
+const SURVEYED: usize = 90;
+/// Places whose pictures are compared.
+const COMPARED: usize = 14;
+/// Directions looked into around a place.
 const AZIMUTHS: usize = 24;
+/// Lines of sight in which a picture is judged, across and down.
+const PICTURE: [u32; 2] = [16, 10];
 /// From here on a place counts as a room.
 const ROOM: f64 = 0.9;
 /// From here on it is worth standing in, though light escapes.
 const SHELTERED: f64 = 0.6;
-/// Scenes with a longer diagonal are entered at once, metres.
+/// Scenes with a longer diagonal are entered at once, metres for an adult.
 const LARGE: f64 = 20.0;
+/// Eyes above the floor, metres for an adult.
+const EYES: f64 = 1.6;
+/// Room that an adult stands in, metres.
+const STANDING: f64 = 1.9;
 
 /// Triangles of all surfaces, each with the index of its surface.
 pub(super) fn triangles(positions: &[DVec3], surfaces: &[Surface]) -> (Vec<[DVec3; 3]>, Vec<u32>) {
@@ -42,52 +56,68 @@ pub(super) fn triangles(positions: &[DVec3], surfaces: &[Surface]) -> (Vec<[DVec
 }
 
 /// A place at eye height and what can be seen from it.
-#[derive(Clone, Copy)]
+#[derive(Clone, Copy, Debug)]
 struct Place {
     eye: DVec3,
     /// Share of all directions in which something stands, 0 to 1.
     enclosure: f64,
-    /// The way to look that shows most.
+    /// Whether something that shines can be seen.
+    sees_lamp: bool,
+    /// The way to look in which one sees farthest.
     gaze: DVec3,
     /// How far one sees that way, metres.
     depth: f64,
     /// Mean distance seen around that way, metres.
     openness: f64,
+    /// How far one sees in each of the directions around, metres; zero into the void.
+    around: [f64; AZIMUTHS],
 }
 
-struct Surveyor {
-    bvh: Bvh,
+struct Surveyor<'a> {
+    scene: &'a Scene,
+    space: &'a Space,
     bounds: Aabb,
     up: DVec3,
     /// The two horizontal axes.
     sides: [DVec3; 2],
-    eye_height: f64,
+    /// Metres of the model to one of an adult.
+    scale: f64,
+    /// Places right below lamps.
+    below_lamps: Vec<DVec3>,
 }
 
-/// Two or three views of the scene and the index of the one to start from.
-pub(super) fn default_views(positions: &[DVec3], surfaces: &[Surface], up: UpAxis) -> (Vec<View>, usize) {
-    let surveyor = Surveyor::new(positions, surfaces, up);
+/// Two or three views of the scene and the index of the one to start from. `scale` are the metres of the
+/// model to one of an adult, above zero.
+pub(super) fn default_views(scene: &Scene, space: &Space, scale: f64) -> (Vec<View>, usize) {
+    let surveyor = Surveyor::new(scene, space, scale);
     let mut places = surveyor.places();
     places.sort_by(|a, b| b.openness.total_cmp(&a.openness));
     places.retain(|p| p.enclosure >= SHELTERED);
-    // At the back of a box that is open in front one stands in a room, and yet it is no room.
-    let closed = places.iter().filter(|p| p.enclosure >= ROOM).count();
-    let is_room = closed >= 2 && 2 * closed > places.len() && surveyor.open_side().is_none();
-    places.retain(|p| !is_room || p.enclosure >= ROOM);
+    // At the back of a box that is open in front one stands in a room, and yet it is no room. Nor is the
+    // inside of a solid that stands in the open, unless there is light in it.
+    let is_closed = |p: &Place| p.enclosure >= ROOM;
+    let is_lit = |p: &Place| is_closed(p) && p.sees_lamp;
+    let count = |test: &dyn Fn(&Place) -> bool| places.iter().filter(|p| test(p)).count();
+    let (closed, lit) = (count(&is_closed), count(&is_lit));
+    let is_building = lit >= 2 || closed >= 2 && 2 * closed > places.len();
+    let is_room = is_building && surveyor.open_side().is_none();
+    if is_room {
+        places.retain(|p| if lit >= 2 { is_lit(p) } else { is_closed(p) });
+    }
     let diagonal = surveyor.bounds.diagonal();
     let mut views = Vec::new();
     if !is_room {
         views.push(surveyor.outside());
     }
-    if let Some(first) = places.first() {
-        views.push(surveyor.view(if is_room { "Overview" } else { "Inside" }, first));
+    if let Some(first) = surveyor.most_telling(&places) {
+        views.push(surveyor.view(if is_room { "Overview" } else { "Inside" }, &first));
         let value = |p: &Place| p.openness * p.eye.distance(first.eye) / diagonal;
         let second = places.iter().max_by(|a, b| value(a).total_cmp(&value(b)));
         if let Some(second) = second.filter(|p| p.eye.distance(first.eye) > 0.2 * diagonal) {
             views.push(surveyor.view("Corner", second));
         }
-        let centre = surveyor.at_eye_height(surveyor.bounds.centre());
-        let off = |p: &Place| p.eye.distance_squared(centre);
+        let centre = surveyor.bounds.centre();
+        let off = |p: &Place| (p.eye - centre).reject_from(surveyor.up).length_squared();
         if let Some(middle) = places.iter().min_by(|a, b| off(a).total_cmp(&off(b)))
             && views.len() < 3
             && middle.eye != first.eye
@@ -95,92 +125,156 @@ pub(super) fn default_views(positions: &[DVec3], surfaces: &[Surface], up: UpAxi
             views.push(surveyor.view("Middle", middle));
         }
     }
-    let start = usize::from(!is_room && diagonal > LARGE && views.len() > 1);
+    let start = usize::from(!is_room && diagonal > LARGE * scale && views.len() > 1);
     (views, start)
 }
 
-impl Surveyor {
-    fn new(positions: &[DVec3], surfaces: &[Surface], up: UpAxis) -> Self {
-        let (triangles, _) = triangles(positions, surfaces);
-        let bvh = Bvh::build(&triangles);
-        let bounds = bvh.bounds();
-        let up_vector = up.vector();
-        let sides = match up {
-            UpAxis::Y => [DVec3::X, DVec3::Z],
-            UpAxis::Z => [DVec3::X, DVec3::Y],
-        };
-        let height = bounds.size().dot(up_vector);
-        let eye_height = if height > 0.0 { (0.4 * height).min(1.6) } else { 0.25 * bounds.diagonal() };
-        Self { bvh, bounds, up: up_vector, sides, eye_height }
+/// Mean distance seen around a direction, metres: over 60 degrees to either side.
+fn openness(around: &[f64; AZIMUTHS], azimuth: usize) -> f64 {
+    (0..9).map(|d| around[(azimuth + AZIMUTHS + d - 4) % AZIMUTHS]).sum::<f64>() / 9.0
+}
+
+/// Places right below lamps, evenly chosen where they are many.
+fn below_lamps(scene: &Scene, scale: f64) -> Vec<DVec3> {
+    let faces: Vec<&Surface> = scene.surfaces.iter().filter(|s| s.luminaire.is_some()).collect();
+    let step = faces.len().div_ceil(LAMPS).max(1);
+    let below = |surface: &Surface| {
+        let outline = scene.polygon(surface);
+        let centre = outline.iter().sum::<DVec3>() / outline.len().max(1) as f64;
+        centre - scene.up.vector() * (0.02 * scale)
+    };
+    faces.into_iter().step_by(step).map(below).collect()
+}
+
+impl<'a> Surveyor<'a> {
+    fn new(scene: &'a Scene, space: &'a Space, scale: f64) -> Self {
+        let up = scene.up.vector();
+        let sides = [DVec3::X, if up == DVec3::Y { DVec3::Z } else { DVec3::Y }];
+        Self { scene, space, bounds: space.main, up, sides, scale, below_lamps: below_lamps(scene, scale) }
     }
 
-    fn at_eye_height(&self, point: DVec3) -> DVec3 {
-        point + self.up * (self.bounds.min.dot(self.up) + self.eye_height - point.dot(self.up))
-    }
-
-    fn distance(&self, origin: DVec3, direction: DVec3) -> Option<f64> {
-        self.bvh.nearest(&Ray { origin, direction }, 0.0, f64::INFINITY).map(|hit| hit.distance)
-    }
-
+    /// Where one can stand, and what one sees there.
     fn places(&self) -> Vec<Place> {
-        let size = self.bounds.size();
-        let [a, b] = self.sides;
-        let step = |k: usize| (k as f64 + 0.5) / GRID as f64;
-        let eyes = (0..GRID * GRID).map(|k| {
-            let (i, j) = (k / GRID, k % GRID);
-            let corner = self.bounds.min + a * (size.dot(a) * step(i)) + b * (size.dot(b) * step(j));
-            self.at_eye_height(corner)
-        });
-        // How far the floor below lifts the eye.
-        let lifted: Vec<(DVec3, f64)> = eyes
-            .map(|eye| {
-                let floor = self.distance(eye + self.up * 0.5 * self.eye_height, -self.up);
-                (eye, floor.map_or(0.0, |down| (1.5 * self.eye_height - down).max(0.0)))
-            })
-            .collect();
-        let mut lifts: Vec<f64> = lifted.iter().map(|(_, lift)| *lift).collect();
-        lifts.sort_by(f64::total_cmp);
-        let ground = lifts[lifts.len() / 2];
-        // Steps and platforms are places to stand; nobody stands on a table.
-        let standing = lifted.into_iter().filter(|(_, lift)| *lift <= ground + 0.35 * self.eye_height);
-        standing.filter_map(|(eye, lift)| self.survey(eye + self.up * lift)).collect()
+        let mut floors: Vec<Floor> = self.space.floors(self.up, CANDIDATES);
+        for &lamp in &self.below_lamps {
+            floors.extend(self.space.floor_below(lamp, self.up));
+            // Beside it as well: right below there is often a table.
+            for angle in [0.0, 0.25, 0.5, 0.75].map(|turn| TAU * turn) {
+                let (way, aside) = (self.level(angle), 1.3 * self.scale);
+                if self.space.distance(lamp, way).is_none_or(|free| free > aside) {
+                    floors.extend(self.space.floor_below(lamp + way * aside, self.up));
+                }
+            }
+        }
+        let standing: Vec<DVec3> = floors.iter().filter_map(|floor| self.stand_on(floor)).collect();
+        let step = standing.len().div_ceil(SURVEYED).max(1);
+        standing.iter().step_by(step).filter_map(|&eye| self.survey(eye)).collect()
+    }
+
+    /// Where the eyes are of somebody who stands here; `None` where nobody could or would.
+    fn stand_on(&self, floor: &Floor) -> Option<DVec3> {
+        if floor.headroom.is_some_and(|room| room < STANDING * self.scale) {
+            return None;
+        }
+        let eye = floor.place + self.up * (EYES * self.scale);
+        // Nobody stands on a table or on a wall: the floor goes on around the feet.
+        const AROUND: usize = 8;
+        let reach = 0.7 * self.scale;
+        let goes_on = |k: &usize| {
+            let at = eye + self.level(TAU * *k as f64 / AROUND as f64) * reach;
+            let down = self.space.distance(at, -self.up);
+            down.is_some_and(|down| (down - EYES * self.scale).abs() < 0.35 * self.scale)
+        };
+        ((0..AROUND).filter(goes_on).count() >= 5).then_some(eye)
+    }
+
+    /// The level direction at this angle.
+    fn level(&self, angle: f64) -> DVec3 {
+        let (sin, cos) = angle.sin_cos();
+        self.sides[0] * cos + self.sides[1] * sin
     }
 
     /// What can be seen from `eye`; `None` where one would stand in the furniture.
     fn survey(&self, eye: DVec3) -> Option<Place> {
         const PROBES: usize = 96;
-        let diagonal = self.bounds.diagonal();
         let golden = PI * (3.0 - 5.0_f64.sqrt());
-        let hits = (0..PROBES)
-            .filter(|&k| {
-                let z = 1.0 - 2.0 * (k as f64 + 0.5) / PROBES as f64;
-                let (sin, cos) = (golden * k as f64).sin_cos();
-                let r = (1.0 - z * z).sqrt();
-                self.distance(eye, DVec3::new(r * cos, r * sin, z)).is_some()
-            })
-            .count();
-        let gazes: Vec<DVec3> = (0..AZIMUTHS)
-            .map(|k| {
-                let (sin, cos) = (TAU * k as f64 / AZIMUTHS as f64).sin_cos();
-                self.sides[0] * cos + self.sides[1] * sin
-            })
-            .collect();
-        let seen: Vec<Option<f64>> = gazes.iter().map(|&gaze| self.distance(eye, gaze)).collect();
+        let probes = (0..PROBES).map(|k| {
+            let z = 1.0 - 2.0 * (k as f64 + 0.5) / PROBES as f64;
+            let (sin, cos) = (golden * k as f64).sin_cos();
+            let r = (1.0 - z * z).sqrt();
+            self.space.seen(eye, DVec3::new(r * cos, r * sin, z))
+        });
+        let (mut hits, mut sees_lamp) = (0, false);
+        for (_, surface) in probes.flatten() {
+            hits += 1;
+            sees_lamp |= self.shines(surface);
+        }
+        let gazes: Vec<DVec3> = (0..AZIMUTHS).map(|k| self.level(TAU * k as f64 / AZIMUTHS as f64)).collect();
+        let seen: Vec<Option<f64>> = gazes.iter().map(|&gaze| self.space.distance(eye, gaze)).collect();
         let clearance = seen.iter().flatten().copied().fold(f64::INFINITY, f64::min);
-        if clearance < (0.03 * diagonal).min(0.3) {
+        if clearance < (0.03 * self.bounds.diagonal()).min(0.3 * self.scale) {
             return None;
         }
+        let sees_lamp = sees_lamp
+            || self.below_lamps.iter().any(|&lamp| {
+                let way = (lamp - eye).normalize_or(self.up);
+                self.space.seen(eye, way).is_some_and(|(_, surface)| self.shines(surface))
+            });
         // Looking into the void shows nothing, so it counts for nothing.
-        let reach = |k: usize| seen[k % AZIMUTHS].unwrap_or(0.0);
-        let around = |k: usize| (0..9).map(|d| reach(k + AZIMUTHS + d - 4)).sum::<f64>() / 9.0;
-        let best = (0..AZIMUTHS).max_by(|&a, &b| around(a).total_cmp(&around(b)))?;
-        Some(Place {
-            eye,
-            enclosure: hits as f64 / PROBES as f64,
-            gaze: gazes[best],
-            depth: reach(best).max(self.eye_height),
-            openness: around(best),
-        })
+        let around = std::array::from_fn(|k| seen[k].unwrap_or(0.0));
+        let best = (0..AZIMUTHS).max_by(|&a, &b| openness(&around, a).total_cmp(&openness(&around, b)))?;
+        let enclosure = f64::from(hits) / PROBES as f64;
+        let blind = Place { eye, enclosure, sees_lamp, gaze: gazes[best], depth: 0.0, openness: 0.0, around };
+        Some(self.looking(&blind, best))
+    }
+
+    /// The same place, looking that way.
+    fn looking(&self, place: &Place, azimuth: usize) -> Place {
+        Place {
+            gaze: self.level(TAU * azimuth as f64 / AZIMUTHS as f64),
+            depth: place.around[azimuth].max(EYES * self.scale),
+            openness: openness(&place.around, azimuth),
+            ..*place
+        }
+    }
+
+    fn shines(&self, surface: u32) -> bool {
+        self.scene.surfaces[surface as usize].luminaire.is_some()
+    }
+
+    /// Of these places, sorted by how far one sees, the one and the way to look whose picture tells most.
+    fn most_telling(&self, places: &[Place]) -> Option<Place> {
+        let ways = places.iter().take(COMPARED).flat_map(|place| {
+            let all = (0..AZIMUTHS).step_by(2).map(move |azimuth| self.looking(place, azimuth));
+            all.filter(move |looking| looking.openness > 0.6 * place.openness).chain([*place])
+        });
+        let rated = ways.map(|place| (self.worth(&place), place));
+        rated.max_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, place)| place)
+    }
+
+    /// How much the picture from a place tells: depth, and how many different things are in it.
+    fn worth(&self, place: &Place) -> f64 {
+        let view = self.view("", place);
+        let forward = (view.target - view.eye).normalize_or(place.gaze);
+        let right = forward.cross(self.up).normalize_or(self.sides[0]);
+        let above = right.cross(forward);
+        let half = (0.5 * view.fov_y_deg.to_radians()).tan();
+        let mut things = HashSet::new();
+        let (mut depth, mut blocked) = (0.0, 0.0);
+        for (i, j) in (0..PICTURE[0]).flat_map(|i| (0..PICTURE[1]).map(move |j| (i, j))) {
+            let x = half * (f64::from(2 * i + 1) / f64::from(PICTURE[1]) - 1.6);
+            let y = half * (f64::from(2 * j + 1) / f64::from(PICTURE[1]) - 1.0);
+            let way = (forward + right * x + above * y).normalize();
+            let Some((distance, surface)) = self.space.seen(view.eye, way) else { continue };
+            let surface = &self.scene.surfaces[surface as usize];
+            things.insert((surface.object, surface.material));
+            depth += (1.0 + distance / self.scale).ln();
+            // What stands right ahead is in the way long before it is near.
+            let near = if (5..11).contains(&i) { 2.0 } else { 1.0 };
+            blocked += f64::from(u8::from(distance < near * self.scale));
+        }
+        let rays = f64::from(PICTURE[0] * PICTURE[1]);
+        depth / rays - 2.0 * blocked / rays + 0.3 * (1.0 + things.len() as f64).ln()
     }
 
     fn view(&self, name: &str, place: &Place) -> View {
@@ -198,7 +292,7 @@ impl Surveyor {
                 let (sin, cos) = (TAU * f64::from(k) / 16.0).sin_cos();
                 let tilt = 0.2 + 0.2 * f64::from(k % 2);
                 let way = axis + (frame.tangent * cos + frame.bitangent * sin) * tilt;
-                self.distance(centre, way).is_none()
+                self.space.distance(centre, way).is_none()
             })
         };
         let [a, b] = self.sides;
@@ -247,7 +341,7 @@ mod tests {
         let bounds = scene.bounds();
         for view in &scene.views {
             assert!(view.eye.cmpgt(bounds.min).all() && view.eye.cmplt(bounds.max).all(), "{view:?}");
-            assert!((view.eye.y - 1.2).abs() < 1e-9, "40 % of the height: {view:?}");
+            assert!((view.eye.y - EYES).abs() < 1e-9, "the eyes of an adult: {view:?}");
         }
         // The overview looks from near one corner across the room.
         let gaze = scene.views[0].target - scene.views[0].eye;
@@ -273,5 +367,77 @@ mod tests {
         let scene = from_text("t", "v 0 0 0\nv 1 0 0\nv 1 0 1\nf 1 3 2\n", "", None).unwrap();
         let view = &scene.views[0];
         assert!(view.eye.y > 0.1 && view.eye.is_finite() && view.target.is_finite(), "{view:?}");
+    }
+
+    /// A block as six outward faces, appended with its corners.
+    fn block(text: &mut String, corners: &mut usize, low: [f64; 3], high: [f64; 3]) {
+        for k in 0..8 {
+            let at = |axis: usize, bit: usize| if k >> bit & 1 == 1 { high[axis] } else { low[axis] };
+            *text += &format!("v {} {} {}\n", at(0, 0), at(1, 1), at(2, 2));
+        }
+        for face in [[1, 3, 4, 2], [5, 6, 8, 7], [1, 2, 6, 5], [3, 7, 8, 4], [1, 5, 7, 3], [2, 4, 8, 6]] {
+            let [a, b, c, d] = face.map(|k| *corners + k);
+            *text += &format!("f {a} {b} {c} {d}\n");
+        }
+        *corners += 8;
+    }
+
+    /// A house of two storeys of 2.6 m with a table in each, at x = z = 900.
+    fn house(text: &mut String, corners: &mut usize) {
+        for floor in [0.0, 2.8] {
+            block(text, corners, [900.0, floor, 900.0], [910.0, floor + 2.6, 908.0]);
+            block(text, corners, [903.0, floor, 903.0], [905.0, floor + 0.75, 904.0]);
+        }
+    }
+
+    fn looks_into_a_room(scene: &Scene) {
+        let view = &scene.views[scene.start_view];
+        let height = view.eye[scene.up.vector().max_position()];
+        let on_a_floor = [0.0, 2.8].iter().any(|floor| (height - floor - EYES).abs() < 1e-6);
+        assert!(on_a_floor, "eyes above a floor, not above a table: {view:?}");
+        let inside =
+            view.eye.cmpgt(DVec3::new(900.0, 0.0, 900.0)) & view.eye.cmplt(DVec3::new(910.0, 5.4, 908.0));
+        assert!(inside.all(), "{view:?}");
+        let space = Space::of(scene, &scene.extent());
+        let ahead = space.distance(view.eye, (view.target - view.eye).normalize());
+        assert!(ahead.is_some_and(|free| free > 3.0), "{ahead:?} m ahead of {view:?}");
+    }
+
+    #[test]
+    fn a_house_is_entered_on_a_floor_whatever_lies_around_it() {
+        let (mut text, mut corners) = (String::new(), 0);
+        house(&mut text, &mut corners);
+        looks_into_a_room(&from_text("t", &text, "", None).unwrap());
+        // On two kilometres of terrain in 800 faces, with a lamp upstairs.
+        let mtl = "newmtl lamp\nKd 0 0 0\nKe 9 9 9\nnewmtl grey\nKd 0.5 0.5 0.5\n";
+        let lamp = "v 905 5.3 905\nv 906 5.3 905\nv 906 5.3 906\nv 905 5.3 906\nusemtl lamp\n";
+        text += &format!(
+            "{lamp}f {} {} {} {}\nusemtl grey\n",
+            corners + 1,
+            corners + 2,
+            corners + 3,
+            corners + 4
+        );
+        corners += 4;
+        for k in 0..441 {
+            let (x, z) = (f64::from(k % 21) * 100.0, f64::from(k / 21) * 100.0);
+            text += &format!("v {x} {} {z}\n", -1.0 - 0.5 * f64::from((k * 7) % 11));
+        }
+        for k in 0..400 {
+            let a = corners + k / 20 * 21 + k % 20 + 1;
+            text += &format!("f {a} {} {}\nf {} {} {}\n", a + 21, a + 1, a + 1, a + 21, a + 22);
+        }
+        let scene = from_text("t", &format!("mtllib m.mtl\n{text}"), mtl, None).unwrap();
+        assert!(scene.extent().main.diagonal() > 2800.0 && scene.extent().stray.is_empty());
+        looks_into_a_room(&scene);
+        assert!(scene.views[scene.start_view].eye.y > 2.8, "where the light is");
+    }
+
+    #[test]
+    fn a_room_in_millimetres_is_seen_at_the_height_of_its_eyes() {
+        let (mut text, mut corners) = (String::new(), 0);
+        block(&mut text, &mut corners, [0.0; 3], [5000.0, 2600.0, 4000.0]);
+        let scene = from_text("t", &text, "", None).unwrap();
+        assert!((scene.views[0].eye.y - 1600.0).abs() < 1.0, "{:?}", scene.views[0]);
     }
 }

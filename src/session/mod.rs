@@ -6,6 +6,7 @@ mod memory;
 mod pipeline;
 mod recompute;
 mod threads;
+mod wanted;
 mod worker;
 
 pub use effect_costs::effect_costs;

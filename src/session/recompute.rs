@@ -1,6 +1,7 @@
 //! The one place that decides what a request recomputes: by comparing the old state with the new.
 
-use super::worker::{State, Wanted};
+use super::wanted::Wanted;
+use super::worker::State;
 use crate::mesh::PatchMesh;
 use crate::scene::grouped;
 

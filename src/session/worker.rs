@@ -5,6 +5,7 @@ use super::pipeline::{
 };
 use super::recompute::{Recompute, same_geometry};
 use super::threads;
+use super::wanted::{Edits, Wanted};
 use crate::effects::EffectPlan;
 use crate::form_factors::{AssembleReport, FormFactors, Row, RowComputer};
 use crate::mesh::PatchMesh;
@@ -13,7 +14,7 @@ use crate::solver::{LightBases, SweepReport};
 use rayon::ThreadPool;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError, Weak};
+use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
@@ -93,31 +94,6 @@ impl Snapshot {
     }
 }
 
-/// All that the user has asked for; the newest state wins, and what was refused is wanted no more.
-#[derive(Clone, Debug, Default)]
-pub(super) struct Wanted {
-    pub(super) source: Option<SceneSource>,
-    /// Counts the requests to open, so that the same file can be read again.
-    pub(super) opened: u64,
-    pub(super) settings: SolveSettings,
-    edits: Edits,
-    /// Counts all requests.
-    generation: u64,
-}
-
-/// Reflectances and the scene whose materials they are of: an index means nothing in another.
-#[derive(Clone, Debug, Default)]
-struct Edits {
-    scene: Weak<Scene>,
-    materials: Vec<MaterialEdit>,
-}
-
-impl Edits {
-    fn of(&self, scene: &Arc<Scene>) -> &[MaterialEdit] {
-        if Weak::as_ptr(&self.scene) == Arc::as_ptr(scene) { &self.materials } else { &[] }
-    }
-}
-
 struct Shared {
     wanted: Mutex<Wanted>,
     news_for_worker: Condvar,
@@ -184,10 +160,12 @@ impl Session {
 
     /// Opens a scene and solves it; replaces whatever runs. The present scene stays if it fails.
     pub fn open(&self, source: SceneSource) {
-        self.request(|wanted| {
-            wanted.source = Some(source);
-            wanted.opened += 1;
-        });
+        self.request(|wanted| wanted.open(source));
+    }
+
+    /// The same with settings of its own. If it fails, those of the present scene stay in force.
+    pub fn open_with(&self, source: SceneSource, settings: SolveSettings) {
+        self.request(|wanted| wanted.open_with(source, settings));
     }
 
     /// Solves the present scene again with these settings, reusing what they leave unchanged.
@@ -203,7 +181,7 @@ impl Session {
     /// Solves again over the stored rows with these reflectances of `scene`, all that differ from its own.
     /// They hold for as long as that scene is the present one, and for no other.
     pub fn set_materials(&self, scene: &Arc<Scene>, materials: Vec<MaterialEdit>) {
-        self.request(|wanted| wanted.edits = Edits { scene: Arc::downgrade(scene), materials });
+        self.request(|wanted| wanted.edits = Edits::new(scene, materials));
     }
 
     /// Lets the solve rest where it is.
@@ -364,10 +342,14 @@ impl Worker<'_> {
             return Err(Failure::Refused(stage));
         }
         self.settled = None;
-        if todo.scene && wanted.source != self.state.source {
-            // It was found in another scene, and its mesh had nothing to do with it.
-            wanted.settings.refinement = None;
-            locked(&self.shared.wanted).settings.refinement = None;
+        if todo.scene {
+            let mut newest = locked(&self.shared.wanted);
+            newest.has_come(wanted.opened);
+            if wanted.source != self.state.source {
+                // It was found in another scene, and its mesh had nothing to do with it.
+                wanted.settings.refinement = None;
+                newest.settings.refinement = None;
+            }
         }
         (self.state.source, self.state.opened) = (wanted.source, wanted.opened);
         self.snapshot.settings.clone_from(&wanted.settings);
@@ -455,9 +437,9 @@ impl Worker<'_> {
         let mut newest = locked(&self.shared.wanted);
         if refused.scene {
             self.state.opened = wanted.opened;
-            wanted.source.clone_from(&self.state.source);
+            wanted.return_to(self.state.source.clone());
             if newest.opened == wanted.opened {
-                newest.source.clone_from(&self.state.source);
+                newest.return_to(self.state.source.clone());
             }
         } else {
             wanted.settings.clone_from(&self.state.settings);

@@ -104,6 +104,15 @@ pub struct Power {
 }
 
 impl PatchLight {
+    /// The same light on another mesh of the same scene, as [`LightBases::carried`] has it.
+    pub fn carried(&self, mesh: &PatchMesh, to: &PatchMesh) -> Option<Self> {
+        let places = to.places_on(mesh)?;
+        let carry = |values: &[[f32; 3]]| {
+            places.iter().map(|&place| values.get(place as usize).copied().unwrap_or_default()).collect()
+        };
+        Some(Self { irradiance: carry(&self.irradiance), radiosity: carry(&self.radiosity) })
+    }
+
     /// The power of this light: with E = B - rho H the lamps emit the sum of A E and the surfaces absorb that
     /// of A (1 - rho) H.
     pub fn power(&self, mesh: &PatchMesh, reflectance: &[[f32; 3]]) -> Power {

@@ -1,5 +1,6 @@
 use crate::accuracy::{Answer, Audit, AuditSettings, Findings, Shown};
 use crate::display::{DisplayMesh, Shading};
+use crate::effects::Effect;
 use crate::mesh::{PatchMesh, Side};
 use crate::scene::Lighting;
 use crate::session::Solved;
@@ -16,7 +17,8 @@ pub fn shown(mesh: &PatchMesh, display: &DisplayMesh, irradiance: &[[f32; 3]]) -
     Shown { faces }
 }
 
-/// Audits a finished solve under this lighting, as the smoothly shaded picture shows it.
+/// Audits a finished solve under this lighting, as the picture shows it: smooth over facets where that is
+/// on in the solve's plan.
 ///
 /// `stop` ends it early; `None` then, and where no light arrives.
 pub fn audit(
@@ -25,7 +27,8 @@ pub fn audit(
     settings: &AuditSettings,
     stop: &(dyn Fn() -> bool + Sync),
 ) -> Option<Findings> {
-    let display = DisplayMesh::build(&solved.mesh, &solved.scene, true);
+    let smooth = solved.plan.is_on(Effect::SmoothSurfaces);
+    let display = DisplayMesh::build(&solved.mesh, &solved.scene, smooth);
     let light = solved.light(lighting);
     let shown = shown(&solved.mesh, &display, &light.irradiance);
     let exitance: Vec<[f32; 3]> = solved.mesh.patches.iter().map(|p| patch_emission(p, lighting)).collect();

@@ -7,6 +7,7 @@ mod audited;
 mod chart;
 mod cost;
 mod goal;
+mod points;
 mod refine;
 mod sweep;
 pub mod table;
@@ -19,6 +20,7 @@ pub use goal::{
     Attempt, COARSEST, CONSOLATION, Goal, MOST_PATCHES, News, Reached, TIME_AIM, aim, better_within, memory,
     reach, settings_of,
 };
+pub use points::{PointErrors, points};
 pub use refine::refined;
 pub use sweep::{Entry, entries, foreseen, measure, pareto};
 pub use trial::{Pace, Trial, pace, trial};

@@ -2,9 +2,11 @@
 //! was read again, with what the user had done to it.
 
 use super::app::App;
+use super::auditor;
 use super::camera_control::CameraControl;
-use super::state::{DisplaySettings, Edits};
-use crate::scene::{Scene, SceneSource, View};
+use super::leaving::Work;
+use super::state::{DisplaySettings, Edits, Visit};
+use crate::scene::{Scene, View};
 use std::sync::Arc;
 
 /// What the user has done to a scene whose file has been read again since, without some of the lamps and
@@ -31,19 +33,30 @@ impl App {
             return;
         }
         self.files.watch(Some(&scene.source));
-        if let SceneSource::File(path) = &scene.source {
+        (self.saved, self.saving) = (Work::of_file(&scene), None);
+        if let Some(path) = scene.source.path() {
             self.state.remember(path);
         }
-        let display = DisplaySettings { split: false, ..self.edits.display };
+        let same_file = before.filter(|before| before.source.is_same_model(&scene.source));
+        if same_file.is_none() {
+            self.visit = Visit::default();
+            self.divider = 0.5;
+            self.picture.forget_comparison();
+            self.auditor.goal = auditor::GOAL;
+        }
+        // A file that was read again goes on as it is looked at; another scene starts with its picture.
+        let display = match &same_file {
+            Some(_) => self.edits.display,
+            None => DisplaySettings::preferring(self.state.preferences),
+        };
         let edits = std::mem::replace(&mut self.edits, Edits::of_scene(&scene, display));
         let views = std::mem::replace(&mut self.views, scene.views.clone());
         (self.start_view, self.view_index) = (scene.start_view, None);
         self.history.clear();
         self.solo = None;
         self.exposure = Default::default();
-        let is_same = |other: &Arc<Scene>| other.source == scene.source;
-        let left = self.left_behind.take().filter(|left| is_same(&left.scene));
-        if let Some(before) = before.filter(is_same) {
+        let left = self.left_behind.take().filter(|left| left.scene.source.is_same_model(&scene.source));
+        if let Some(before) = same_file {
             let before = LeftBehind { scene: before, edits, views };
             let mut any = false;
             for done in left.iter().chain([&before]) {
@@ -71,8 +84,8 @@ impl App {
                 view,
                 up,
                 size.dot(up),
-                size.length(),
-                self.state.motion,
+                prepared.mesh.size,
+                self.visit.motion,
                 self.state.eye_height,
             )
         });
@@ -95,7 +108,7 @@ impl LeftBehind {
 
 /// Whether a place of one is that place of the other.
 fn is_in_place(before: &Scene, now: &Scene) -> bool {
-    before.up == now.up && before.unit == now.unit
+    before.up == now.up && before.unit == now.unit && before.origin == now.origin
 }
 
 /// Brings what the user has changed about a lamp into the state that it had, by name, where the name is one

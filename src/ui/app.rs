@@ -3,13 +3,15 @@
 use super::adoption::LeftBehind;
 use super::auditor::Auditor;
 use super::background::Background;
-use super::camera_control::{CameraControl, Motion};
+use super::camera_control::CameraControl;
 use super::command::EditKey;
 use super::doctor::Doctor;
 use super::exposure::AutoExposure;
 use super::files::Files;
+use super::fonts::Unreadable;
 use super::frame_clock::FrameClock;
 use super::history::History;
+use super::leaving::{Leaving, Work};
 use super::microscope::Microscope;
 use super::overlay::Notice;
 use super::panels::{self, Commands, Model};
@@ -17,7 +19,7 @@ use super::path_dialog::{Answer, PathDialog};
 use super::picture::Picture;
 use super::reclaim::Reclaim;
 use super::recovery::{Handover, Legacy};
-use super::state::{DisplaySettings, Edits, Quantity, UiState};
+use super::state::{DisplaySettings, Edits, UiState, Visit};
 use super::touring::{Plan, Playing};
 use super::viewport::Viewport;
 use super::worker::Worker;
@@ -58,12 +60,19 @@ pub struct App {
     pub(super) worker: Box<dyn Worker>,
     pub(super) snapshot: Arc<Snapshot>,
     pub(super) state: UiState,
+    pub(super) visit: Visit,
+    /// What is in the sidecar of the scene, or on its way there.
+    pub(super) saved: Work,
+    pub(super) saving: Option<Work>,
+    /// The scene is about to be left.
+    pub(super) leaving: Option<Leaving>,
+    /// The window closes without another question.
+    pub(super) may_close: bool,
+    unreadable: Unreadable,
     pub(super) edits: Edits,
     pub(super) history: History<EditKey, Edits>,
     pub(super) picture: Picture,
     pub(super) camera: Option<CameraControl>,
-    /// How the user has chosen to move.
-    pub(super) chosen_motion: Motion,
     pub(super) views: Vec<View>,
     /// The bookmark to start from.
     pub(super) start_view: usize,
@@ -130,6 +139,8 @@ pub struct App {
     pub(super) inherited: Option<Handover>,
     /// Where this one leaves its state.
     pub(super) legacy: Option<Legacy>,
+    /// Seconds of the window's clock at the last frame.
+    pub(super) time: f64,
     frame_secs: f64,
     memory: (f64, Option<u64>),
 }
@@ -144,29 +155,31 @@ pub(super) struct Stale {
 }
 
 impl App {
-    /// A window on `worker`, in the state that it was left in.
+    /// A window on `worker`, as the user likes it.
     ///
     /// Without a graphics adapter (in tests) everything but the picture works.
-    pub fn new(cc: &eframe::CreationContext<'_>, worker: Box<dyn Worker>, mut state: UiState) -> Self {
-        if state.display.quantity.is_row() {
-            // No patch is looked into yet.
-            state.display = state.display.showing(Quantity::Picture);
-        }
+    pub fn new(cc: &eframe::CreationContext<'_>, worker: Box<dyn Worker>, state: UiState) -> Self {
+        let display = DisplaySettings::preferring(state.preferences);
         theme::apply(&cc.egui_ctx);
         cc.egui_ctx.add_plugin(input::TabKey::default());
         let clock = FrameClock::default();
         let viewport = cc
             .wgpu_render_state
             .clone()
-            .map(|gpu| Viewport::new(gpu, &state.display, clock.drawing(), &cc.egui_ctx));
+            .map(|gpu| Viewport::new(gpu, &display, clock.drawing(), &cc.egui_ctx));
         Self {
             snapshot: worker.latest(),
             worker,
-            edits: Edits { display: DisplaySettings { split: false, ..state.display }, ..Edits::default() },
+            edits: Edits { display, ..Edits::default() },
+            visit: Visit::default(),
+            saved: Work::default(),
+            saving: None,
+            leaving: None,
+            may_close: false,
+            unreadable: Unreadable::of(&cc.egui_ctx),
             history: History::default(),
             picture: Picture::new(viewport.as_ref().map(Viewport::uploader)),
             camera: None,
-            chosen_motion: state.motion,
             views: Vec::new(),
             start_view: 0,
             exposure: AutoExposure::default(),
@@ -209,13 +222,14 @@ impl App {
             worker_error: None,
             inherited: None,
             legacy: None,
+            time: 0.0,
             frame_secs: 0.0,
             memory: (f64::NEG_INFINITY, None),
             state,
         }
     }
 
-    /// The state that the last start left behind.
+    /// What the last start left behind of the user's preferences.
     pub fn stored_state(storage: Option<&dyn eframe::Storage>) -> UiState {
         storage.and_then(|s| eframe::get_value(s, STORAGE_KEY)).unwrap_or_default()
     }
@@ -233,6 +247,11 @@ impl App {
     /// What the window remembers.
     pub fn state(&self) -> &UiState {
         &self.state
+    }
+
+    /// How the present scene is looked at.
+    pub fn visit(&self) -> &Visit {
+        &self.visit
     }
 
     /// The light of the patches as it is shown.
@@ -321,12 +340,12 @@ impl App {
                 }
             });
         });
-        if self.state.table_open {
+        if self.visit.table_open {
             let frame = ground.inner_margin(egui::Margin::symmetric(8, 5));
             let panel = egui::Panel::bottom("patch table").resizable(true).default_size(196.0);
             panel.size_range(110.0..=420.0).frame(frame).show(ui, |ui| panels::table::show(ui, &model, out));
         }
-        if self.state.doctor_open {
+        if self.visit.doctor_open {
             let frame = egui::Frame::new().fill(theme::PANEL).inner_margin(egui::Margin::symmetric(8, 5));
             let panel = egui::Panel::bottom("doctor").resizable(true).default_size(212.0);
             panel.size_range(120.0..=420.0).frame(frame).show(ui, |ui| panels::doctor::show(ui, &model, out));
@@ -353,6 +372,8 @@ impl App {
             full_lumens: prepared.map_or(&[], |p| &p.full_lumens),
             edits: &self.edits,
             state: &self.state,
+            visit: &self.visit,
+            unreadable: &self.unreadable,
             views: &self.views,
             start_view: self.start_view,
             view_here: self.view_here(),
@@ -385,7 +406,7 @@ impl App {
         match (dialog.show(ui), dialog.kind) {
             (Answer::Waiting, _) => self.path_dialog = Some(dialog),
             (Answer::Cancelled, _) => {}
-            (Answer::Path(path), None) => self.open(SceneSource::File(path)),
+            (Answer::Path(path), None) => self.leave_for(SceneSource::File(path)),
             (Answer::Path(path), Some(kind)) => self.save_to(kind, path),
         }
     }
@@ -395,6 +416,7 @@ impl App {
             self.frame_secs += (f64::from(secs) - self.frame_secs) * 0.2;
         }
         let time = ctx.input(|i| i.time);
+        self.time = time;
         if time - self.memory.0 > 1.0 {
             self.memory = (time, resident_bytes());
         }
@@ -406,6 +428,7 @@ impl eframe::App for App {
         self.clock.begin_frame(&self.snapshot.stage);
         self.measure_costs(ctx, frame);
         self.listen(ctx);
+        self.guard_the_exit(ctx);
         self.clock.rest();
     }
 
@@ -415,7 +438,10 @@ impl eframe::App for App {
         if input::take_tab(ui.ctx()) {
             out.push(super::command::Command::TogglePanels);
         }
-        input::commands(ui.ctx(), &self.model(), self.help_open, &mut out);
+        if self.leaving.is_none() {
+            input::commands(ui.ctx(), &self.model(), self.help_open, &mut out);
+        }
+        let unreadable = self.unreadable.count();
         self.dropped_files(ui, &mut out);
         self.panels(ui, &mut out);
         self.inspect_fresh = false;
@@ -428,7 +454,8 @@ impl eframe::App for App {
         }
         egui::CentralPanel::no_frame().show(ui, |ui| self.show_view(ui, &mut out));
         self.ask_for_path(ui);
-        let any = !out.is_empty();
+        self.ask_before_leaving(ui);
+        let any = !out.is_empty() || self.unreadable.count() != unreadable;
         self.execute_all(ui.ctx(), &mut out);
         if any {
             ui.ctx().request_repaint();
@@ -437,9 +464,7 @@ impl eframe::App for App {
     }
 
     fn save(&mut self, storage: &mut dyn eframe::Storage) {
-        // An orbit and a jump to a patch leave the ground for this once.
-        let state = UiState { motion: self.chosen_motion, ..self.state.clone() };
-        eframe::set_value(storage, STORAGE_KEY, &state);
+        eframe::set_value(storage, STORAGE_KEY, &self.state);
     }
 
     fn clear_color(&self, _visuals: &egui::Visuals) -> [f32; 4] {

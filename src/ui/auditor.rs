@@ -18,6 +18,8 @@ use std::sync::{Arc, Weak};
 const SETTLED_SECS: f64 = 0.6;
 /// Audits run on one thread, for no longer than this.
 const AUDIT_SECS: f64 = 8.0;
+/// What a scene is to reach at first.
+pub(super) const GOAL: Goal = Goal::Error(0.01);
 /// Points of the predicted curve.
 const CURVE: usize = 24;
 
@@ -94,7 +96,7 @@ impl Default for Auditor {
     fn default() -> Self {
         Self {
             on: true,
-            goal: Goal::Error(0.01),
+            goal: GOAL,
             budget: None,
             findings: None,
             is_dark: false,
@@ -369,7 +371,7 @@ impl Auditor {
         } else if self.model.asks_for_patches().filter(|_| self.is_taught).unwrap_or(mesh >= form_factors) {
             "smaller patches"
         } else {
-            "more lines a row"
+            "more lines per row"
         })
     }
 }

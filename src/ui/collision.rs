@@ -4,9 +4,10 @@
 //! wall however thin, at any speed and any frame rate. Walls push it back at right angles to
 //! themselves, which leaves the motion along them: that is the sliding.
 
-use crate::geometry::nearest_in_triangle;
+use crate::geometry::{Aabb, nearest_in_triangle};
 use crate::mesh::PatchMesh;
 use crate::render::person_scale;
+use crate::scene::Extent;
 use glam::{DVec2, DVec3};
 
 /// Acceleration of a falling body, m/s².
@@ -78,8 +79,12 @@ pub(super) struct Obstacles {
 
 impl Obstacles {
     /// Sorts the triangles of a mesh; `up` is a unit vector along an axis.
-    pub(super) fn of_mesh(mesh: &PatchMesh, up: DVec3) -> Self {
-        Self::new(mesh.triangles().0, up)
+    ///
+    /// What lies far away from the rest cannot be walked to, and would make the cells too large.
+    pub(super) fn of_mesh(mesh: &PatchMesh, up: DVec3, extent: &Extent) -> Self {
+        let mut triangles = mesh.triangles().0;
+        triangles.retain(|triangle| extent.holds(&Aabb::around(*triangle)));
+        Self::new(triangles, up)
     }
 
     /// Sorts `triangles`; those that are not finite are left out. `up` is a unit vector.

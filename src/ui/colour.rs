@@ -24,6 +24,17 @@ pub(super) fn to_bytes(linear: [f64; 3]) -> [u8; 3] {
     linear.map(|c| (255.0 * srgb_of_linear(c)).round() as u8)
 }
 
+/// Hue, saturation and value, each 0 to 1, of a linear colour: those of its sRGB codes, as pickers have them.
+pub(super) fn hsv_of(linear: [f64; 3]) -> [f32; 3] {
+    let (hue, saturation, value) = egui::ecolor::hsv_from_rgb(linear.map(|c| srgb_of_linear(c) as f32));
+    [hue, saturation, value]
+}
+
+/// The linear colour of this hue, saturation and value, each 0 to 1.
+pub(super) fn linear_of_hsv([hue, saturation, value]: [f32; 3]) -> [f64; 3] {
+    egui::ecolor::rgb_from_hsv((hue, saturation, value)).map(|c| linear_of_srgb(f64::from(c)))
+}
+
 /// Splits an exitance or any linear colour into its largest part and the hue below one.
 pub(super) fn split(linear: [f64; 3]) -> (f64, [f64; 3]) {
     let peak = linear.into_iter().fold(0.0, f64::max);
@@ -80,6 +91,15 @@ mod tests {
         let (a, b) =
             (crate::scene::luminance_weighted([10.0, 20.0, 5.0]), crate::scene::luminance_weighted(new));
         assert!((a - b).abs() < 1e-9);
+    }
+
+    #[test]
+    fn hue_and_saturation_come_back() {
+        for hsv in [[0.0, 1.0, 1.0], [0.33, 0.5, 1.0], [0.6, 0.25, 0.7]] {
+            let again = hsv_of(linear_of_hsv(hsv));
+            assert!(hsv.iter().zip(again).all(|(a, b)| (a - b).abs() < 1e-4), "{hsv:?} {again:?}");
+        }
+        assert_eq!(linear_of_hsv([0.0, 1.0, 1.0]), [1.0, 0.0, 0.0]);
     }
 
     #[test]

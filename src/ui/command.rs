@@ -143,6 +143,8 @@ pub(super) enum Command {
     ToggleHelp,
     /// Load files again when they change.
     ReloadOnChange(bool),
+    /// Take the banner of this key away until another scene is open.
+    DismissBanner(&'static str),
     /// Take the message away.
     DismissMessage,
     /// Close the window.

@@ -1,8 +1,13 @@
 //! The light kept as state A, and the divider between it and the present light.
 
 use super::app::App;
+use super::overlay::Notice;
+use super::picture::{Picture, Prepared};
+use super::reclaim::Reclaim;
+use super::state::{DisplaySettings, Edits, Quantity};
 use super::theme;
-use crate::scene::Lighting;
+use crate::scene::{Lighting, Scene};
+use crate::session::patch_reflectance;
 use crate::solver::{LightBases, PatchLight};
 use egui::{Align2, Color32, CursorIcon, FontId, Key, Pos2, Rect, Sense, Vec2};
 use std::sync::Arc;
@@ -14,41 +19,138 @@ const KEY_STEP: f32 = 0.02;
 /// Width in which the divider is caught, points.
 const CATCH: f32 = 14.0;
 
-/// A state of the lamps to compare with.
-#[derive(Clone, Debug)]
+/// A state of lamps and materials to compare with.
+#[derive(Clone)]
 pub(super) struct Kept {
-    /// Of the mesh that it belongs to.
-    pub(super) mesh_serial: u64,
+    /// The mesh that `light` is of.
+    prepared: Arc<Prepared>,
     pub(super) lighting: Lighting,
+    /// Of each material, as edited or as the file has it.
+    materials: Vec<[f64; 3]>,
+    /// Of each patch.
     reflectance: Arc<Vec<[f32; 3]>>,
     pub(super) light: PatchLight,
 }
 
 impl Kept {
+    /// The light of `prepared` as it is, under `edits`.
     pub(super) fn new(
-        mesh_serial: u64,
-        lighting: Lighting,
+        prepared: Arc<Prepared>,
+        edits: &Edits,
         reflectance: Arc<Vec<[f32; 3]>>,
         light: PatchLight,
     ) -> Self {
-        Self { mesh_serial, lighting, reflectance, light }
+        let edited = |k: usize| edits.reflectance.get(k).copied().flatten();
+        let materials = prepared.scene.materials.iter().enumerate();
+        let materials = materials.map(|(k, material)| edited(k).unwrap_or(material.reflectance)).collect();
+        Self { prepared, lighting: edits.lighting.clone(), materials, reflectance, light }
+    }
+
+    /// Whether it is of this mesh.
+    pub(super) fn is_of(&self, prepared: &Prepared) -> bool {
+        self.prepared.mesh_serial == prepared.mesh_serial
     }
 
     /// Takes over a solution that has gone on since, so that what differs is the lamps alone. A light
     /// under other reflectances stays as it was.
-    pub(super) fn settle(
-        &mut self,
-        bases: &LightBases,
-        mesh: &crate::mesh::PatchMesh,
-        reflectance: &Arc<Vec<[f32; 3]>>,
-    ) {
+    fn settle(&mut self, bases: &LightBases, reflectance: &Arc<Vec<[f32; 3]>>) {
         if Arc::ptr_eq(&self.reflectance, reflectance) || self.reflectance == *reflectance {
-            self.light = bases.mix(mesh, &self.lighting, reflectance);
+            self.light = bases.mix(&self.prepared.mesh, &self.lighting, reflectance);
         }
+    }
+
+    /// The same state on another mesh: lit anew by `bases` where the reflectances are those of the state, else
+    /// each patch with the light of the place that it covers. `None` where neither can be.
+    fn carried(
+        &self,
+        to: &Arc<Prepared>,
+        bases: &LightBases,
+        reflectance: &Arc<Vec<[f32; 3]>>,
+    ) -> Option<Self> {
+        // Lamps and materials are known by their places in these lists.
+        let (before, now) = (&self.prepared.scene, &to.scene);
+        let names = |scene: &Scene| {
+            let lamps = scene.luminaires.iter().map(|lamp| lamp.name.clone());
+            lamps.chain(scene.materials.iter().map(|material| material.name.clone())).collect::<Vec<_>>()
+        };
+        if !Arc::ptr_eq(before, now) && (before.source != now.source || names(before) != names(now)) {
+            return None;
+        }
+        let of_material = |material: u32| {
+            let edit = self.materials.get(material as usize).copied();
+            edit.filter(|edit| now.materials.get(material as usize).is_some_and(|m| m.reflectance != *edit))
+        };
+        let own = patch_reflectance(&to.mesh, &of_material);
+        let own: Vec<[f32; 3]> = own.iter().map(|rho| rho.map(|b| b as f32)).collect();
+        let light = if own == **reflectance {
+            bases.mix(&to.mesh, &self.lighting, reflectance)
+        } else {
+            self.light.carried(&self.prepared.mesh, &to.mesh)?
+        };
+        Some(Self { prepared: Arc::clone(to), reflectance: Arc::new(own), light, ..self.clone() })
+    }
+}
+
+impl Picture {
+    /// Keeps the present light as state A.
+    pub(super) fn store_comparison(&mut self, edits: &Edits) {
+        if let Some(prepared) = self.prepared.as_ref().filter(|_| !self.light.radiosity.is_empty()) {
+            let reflectance = Arc::clone(&self.reflectance);
+            self.comparison = Some(Kept::new(Arc::clone(prepared), edits, reflectance, self.light.clone()));
+        }
+    }
+
+    /// Lets state A follow a solution that has gone on, and to another mesh. Answers with false where it had to
+    /// be given up: the model is another one.
+    pub(super) fn settle_comparison(&mut self, reclaim: &Reclaim) -> bool {
+        let (Some(prepared), Some(bases)) = (&self.prepared, &self.bases) else { return true };
+        match &mut self.comparison {
+            Some(kept) if kept.is_of(prepared) => kept.settle(bases, &self.reflectance),
+            Some(kept) => {
+                let carried = kept.carried(prepared, bases, &self.reflectance);
+                reclaim.later(std::mem::replace(&mut self.comparison, carried));
+                return self.comparison.is_some();
+            }
+            None => {}
+        }
+        true
+    }
+
+    /// Forgets state A.
+    pub(super) fn forget_comparison(&mut self) {
+        self.comparison = None;
+    }
+
+    /// Whether a state A of this mesh is stored.
+    pub(super) fn has_comparison(&self) -> bool {
+        self.kept().is_some()
+    }
+
+    /// State A, where it is of this mesh.
+    pub(super) fn kept(&self) -> Option<&Kept> {
+        let prepared = self.prepared.as_ref()?;
+        self.comparison.as_ref().filter(|kept| kept.is_of(prepared))
     }
 }
 
 impl App {
+    /// Lets state A follow the light and the mesh, and says so where it cannot.
+    pub(super) fn follow_with_comparison(&mut self, time: f64) {
+        if self.picture.settle_comparison(&self.reclaim) {
+            return;
+        }
+        let display = DisplaySettings { split: false, ..self.edits.display };
+        self.edits.display = match display.quantity {
+            Quantity::Difference => display.showing(Quantity::Picture),
+            _ => display,
+        };
+        let text =
+            "Light A was dropped: the model that was read has other lamps, materials or surfaces. C keeps a \
+                    new one"
+                .to_owned();
+        self.notice = Some(Notice { text, is_error: false, since: time });
+    }
+
     /// Where the present light begins, as a share of the view's width; `None` unless A is shown beside
     /// it.
     pub(super) fn split(&self) -> Option<f32> {

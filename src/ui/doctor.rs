@@ -3,7 +3,10 @@
 
 use super::app::App;
 use super::background::Background;
-use super::camera_control::Motion;
+use super::banners::Banner;
+use super::command::Command;
+use super::panels::Model;
+use super::panels::menu::frame_name;
 use super::picture::Prepared;
 use crate::geometry::{Aabb, Ray, polygon};
 use crate::mesh;
@@ -128,14 +131,34 @@ impl Doctor {
     }
 }
 
+/// That the model seems to lie on its side or to be in another unit, with a button that sets it right.
+pub(super) fn frame_banner(model: &Model<'_>) -> Option<Banner> {
+    let scene = model.scene.filter(|scene| scene.source.path().is_some())?;
+    let mut doubts = scene.findings.iter().filter(|finding| finding.severity >= Severity::Warning);
+    let (unit, up) = doubts.find_map(|finding| finding.remedy)?;
+    let mut seems = Vec::new();
+    if up != scene.up {
+        seems.push("to lie on its side".to_owned());
+    }
+    if unit != scene.unit {
+        seems.push(format!("to be in {} rather than {}", unit.name(), scene.unit.name()));
+    }
+    Some(Banner {
+        key: "frame",
+        is_warning: true,
+        text: format!("This model seems {}. The doctor (K) says why.", seems.join(", and ")),
+        actions: vec![(format!("Set {}", frame_name(unit, up)), Command::SetFrame(unit, up))],
+    })
+}
+
 impl App {
     /// Does what the panel asks for.
     pub(super) fn ask_doctor(&mut self, ask: Ask) {
         match ask {
             Ask::Toggle => {
-                self.state.doctor_open = !self.state.doctor_open;
+                self.visit.doctor_open = !self.visit.doctor_open;
                 // There is room for one of them under the view.
-                self.state.table_open &= !self.state.doctor_open;
+                self.visit.table_open &= !self.visit.doctor_open;
                 self.doctor.selected = None;
             }
             Ask::Hover(finding) => self.doctor.hovered = Some(finding),
@@ -165,46 +188,57 @@ impl App {
         self.look_at(&prepared, &bounds, normal);
     }
 
-    /// Glides to where something is seen well: from that side, of several, from which it can be looked at
-    /// from furthest away, its front and the side where the camera stands being preferred.
+    /// Glides to where something is seen well.
     fn look_at(&mut self, prepared: &Prepared, what: &Aabb, normal: DVec3) {
         self.touring = None;
+        // A row of form factors is grey nearly everywhere, and a finding is no part of it.
+        self.leave_row();
         let Some(camera) = &mut self.camera else { return };
-        let (size, centre) = (prepared.mesh.size, what.centre());
-        let wanted = (2.2 * what.diagonal()).clamp(0.06 * size, 0.6 * size);
-        let here = (camera.pose().eye - centre).normalize_or(DVec3::Y);
-        let mut ways = vec![here];
-        for x in [-1.0, 0.0, 1.0] {
-            for y in [-0.6, 0.0, 0.6] {
-                ways.extend(
-                    [-1.0, 0.0, 1.0]
-                        .map(|z| DVec3::new(x, y, z))
-                        .into_iter()
-                        .filter_map(DVec3::try_normalize),
-                );
-            }
-        }
-        let free = |way: DVec3| {
-            let ray = Ray { origin: centre + way * (1e-3 * size), direction: way };
-            prepared.picker.nearest(&ray, wanted).map_or(wanted, |hit| 0.85 * hit.distance)
-        };
-        let worth = |way: DVec3| {
-            let front =
-                if normal == DVec3::ZERO { 0.3 } else { 0.8 * way.dot(normal).abs() + 0.1 * way.dot(normal) };
-            free(way) / wanted + front + 0.6 * way.dot(here)
-        };
-        let best = ways.into_iter().max_by(|a, b| worth(*a).total_cmp(&worth(*b))).unwrap_or(here);
-        let view = View {
-            name: String::new(),
-            eye: centre + best * free(best).max(0.01 * size),
-            target: centre,
-            fov_y_deg: camera.pose().fov_y_deg,
-        };
-        camera.set_motion(Motion::Fly);
-        self.state.motion = Motion::Fly;
-        let pose = camera.pose_of(&view);
-        camera.travel_to(pose);
+        let eye = standpoint(prepared, what, normal, camera.pose().eye);
+        let (target, fov_y_deg) = (what.centre(), camera.pose().fov_y_deg);
+        self.fly_to(&View { name: String::new(), eye, target, fov_y_deg });
     }
+}
+
+/// Where something is seen well from: from that side, of several, from which it can be looked at from furthest
+/// away, its front and the side of `from` being preferred. From below the floor, or with something in between,
+/// only where there is no other place.
+fn standpoint(prepared: &Prepared, what: &Aabb, normal: DVec3, from: DVec3) -> DVec3 {
+    let (size, centre, up) = (prepared.mesh.size, what.centre(), prepared.scene.up.vector());
+    let wanted = (2.2 * what.diagonal()).clamp(0.06 * size, 0.6 * size);
+    let here = (from - centre).normalize_or(up);
+    let mut ways = vec![here];
+    for x in [-1.0, 0.0, 1.0] {
+        for y in [-0.6, 0.0, 0.6] {
+            ways.extend(
+                [-1.0, 0.0, 1.0].map(|z| DVec3::new(x, y, z)).into_iter().filter_map(DVec3::try_normalize),
+            );
+        }
+    }
+    let first_hit = |origin: DVec3, way: DVec3, reach: f64| {
+        prepared.picker.nearest(&Ray { origin, direction: way }, reach).map(|hit| hit.distance)
+    };
+    let free = |way: DVec3| {
+        first_hit(centre + way * (1e-3 * size), way, wanted).map_or(wanted, |distance| 0.85 * distance)
+    };
+    let eye = |way: DVec3| centre + way * free(way).max(0.01 * size);
+    let is_seen = |eye: DVec3| {
+        let distance = eye.distance(centre);
+        let reach = distance - 3e-3 * size;
+        reach <= 0.0 || first_hit(eye, (centre - eye) / distance, reach).is_none()
+    };
+    let lowest = prepared.bounds.min.dot(up);
+    let is_above_a_floor = |eye: DVec3| eye.dot(up) > lowest && prepared.obstacles.floor_below(eye).is_some();
+    let worth = |way: DVec3| {
+        let front =
+            if normal == DVec3::ZERO { 0.3 } else { 0.8 * way.dot(normal).abs() + 0.1 * way.dot(normal) };
+        let eye = eye(way);
+        let hidden = if is_seen(eye) { 0.0 } else { 4.0 };
+        let outside = if is_above_a_floor(eye) { 0.0 } else { 2.0 };
+        free(way) / wanted + front + 0.6 * way.dot(here) - hidden - outside
+    };
+    let best = ways.into_iter().map(|way| (worth(way), way)).max_by(|a, b| a.0.total_cmp(&b.0));
+    eye(best.map_or(here, |(_, way)| way))
 }
 
 #[cfg(test)]

@@ -2,7 +2,7 @@
 
 use super::app::{App, Asked};
 use super::auditor::Ask;
-use super::camera_control::Pose;
+use super::camera_control::{Motion, Pose};
 use super::command::{Command, EditKey, SaveKind};
 use super::files::{SaveJob, free_name, pictures_folder};
 use super::outlook::outlook;
@@ -10,9 +10,10 @@ use super::overlay::Notice;
 use super::panels::Commands;
 use super::picture::shading_of;
 use super::state::{DisplaySettings, Edits, Quantity};
-use super::{camera_control, units};
+use super::units;
 use crate::display::{Exposure, white_balance};
 use crate::scene::{LampState, Lighting, SceneSource, View};
+use crate::session::SolveSettings;
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::Instant;
@@ -60,14 +61,14 @@ impl App {
                     self.replace_edits(edits);
                 }
             }
-            Command::Open(source) => self.open(source),
+            Command::Open(source) => self.leave_for(source),
             Command::OpenDialog => self.files.open_dialog(),
             Command::Reload => self.reload(),
             Command::Save(SaveKind::Screenshot) if self.viewport.is_none() => {}
             Command::Save(kind) => self.files.save_dialog(kind, &self.suggested_path(kind)),
             Command::QuickSave(kind) => self.save_to(kind, self.suggested_path(kind)),
             Command::StoreComparison => {
-                self.picture.store_comparison(&self.edits.lighting);
+                self.picture.store_comparison(&self.edits);
                 self.stale.light = true;
             }
             Command::ToggleSplit => self.toggle_split(ctx),
@@ -85,14 +86,14 @@ impl App {
             Command::SaveSidecar => self.save_sidecar(),
             Command::SetFrame(unit, up) => {
                 if let Some(scene) = &self.scene_shown
-                    && let SceneSource::File(path) = &scene.source
+                    && let Some(path) = scene.source.path()
                     && (scene.unit, scene.up) != (unit, up)
                 {
                     self.files.save_frame(path, unit, up);
                 }
             }
             Command::SetMotion(motion) => {
-                (self.state.motion, self.chosen_motion) = (motion, motion);
+                (self.visit.motion, self.visit.chosen_motion) = (motion, motion);
                 self.touring = None;
                 if let Some(camera) = &mut self.camera {
                     camera.set_motion(motion);
@@ -136,8 +137,8 @@ impl App {
             }
             Command::ToggleRow => self.toggle_row(ctx.input(|i| i.pointer.latest_pos())),
             Command::ToggleTable => {
-                self.state.table_open = !self.state.table_open;
-                self.state.doctor_open &= !self.state.table_open;
+                self.visit.table_open = !self.visit.table_open;
+                self.visit.doctor_open &= !self.visit.table_open;
             }
             Command::JumpToPatch(patch) => self.jump_to(patch),
             Command::TogglePanels => {
@@ -149,6 +150,9 @@ impl App {
             Command::ToggleHelp => self.help_open = !self.help_open,
             Command::ToggleStatus => self.state.show_status = !self.state.show_status,
             Command::ReloadOnChange(reload) => self.state.reload_on_change = reload,
+            Command::DismissBanner(key) => {
+                self.visit.dismissed.insert(key);
+            }
             Command::DismissMessage => {
                 self.dismissed = self.notice.take().map(|notice| notice.text);
             }
@@ -240,7 +244,7 @@ impl App {
                 // Whoever asks for the map asks for the check that it is made of.
                 self.auditor.ensure_on();
             }
-            self.state.display = self.edits.display;
+            self.state.preferences = self.edits.display.preferences();
             self.stale.light = true;
             self.stale.exposure |= before.display.split != self.edits.display.split;
         }
@@ -288,7 +292,7 @@ impl App {
     }
 
     /// Shows again what was shown before a row was.
-    fn leave_row(&mut self) {
+    pub(super) fn leave_row(&mut self) {
         let before = self.before_row.take();
         let now = self.edits.display;
         if !now.quantity.is_row() {
@@ -333,7 +337,9 @@ impl App {
     pub(super) fn open(&mut self, source: SceneSource) {
         (self.notice, self.dismissed) = (None, None);
         let name = match &source {
-            SceneSource::File(path) => path.file_name().map(|n| n.to_string_lossy().into_owned()),
+            SceneSource::File(path) | SceneSource::FileAs(path, _) => {
+                path.file_name().map(|n| n.to_string_lossy().into_owned())
+            }
             SceneSource::Builtin(name) => Some(name.clone()),
         };
         let name = name.unwrap_or_default();
@@ -341,7 +347,13 @@ impl App {
         let scene = self.snapshot.scene.as_ref().map(Arc::downgrade).unwrap_or_default();
         let known_error = self.snapshot.error.clone();
         self.opening = Some(Asked { name, serial: self.snapshot.serial, known_error, scene });
-        self.worker.open(source);
+        match &self.scene_shown {
+            // Solver settings belong to a scene as well.
+            Some(shown) if !shown.source.is_same_model(&source) => {
+                self.worker.open_with(source, SolveSettings::default());
+            }
+            _ => self.worker.open(source),
+        }
     }
 
     pub(super) fn reload(&mut self) {
@@ -355,7 +367,7 @@ impl App {
     fn toggle_split(&mut self, ctx: &egui::Context) {
         let mut display = self.edits.display;
         if !self.picture.has_comparison() {
-            self.picture.store_comparison(&self.edits.lighting);
+            self.picture.store_comparison(&self.edits);
             if !self.picture.has_comparison() {
                 return;
             }
@@ -374,8 +386,8 @@ impl App {
     /// Moves again as was chosen, where orbiting or a jump to a patch has lifted the camera off the floor.
     pub(super) fn move_as_chosen(&mut self) {
         if let Some(camera) = &mut self.camera {
-            camera.set_motion(self.chosen_motion);
-            self.state.motion = self.chosen_motion;
+            camera.set_motion(self.visit.chosen_motion);
+            self.visit.motion = self.visit.chosen_motion;
         }
     }
 
@@ -446,16 +458,27 @@ impl App {
         let Some(target) = prepared.mesh.patches.get(patch as usize) else { return };
         self.look_into(Some(patch));
         self.touring = None;
-        let Some(camera) = &mut self.camera else { return };
+        let Some(camera) = &self.camera else { return };
         let view = View {
             name: String::new(),
             eye: outlook(&prepared.mesh, &prepared.picker, patch, camera.pose().eye),
             target: target.centre,
             fov_y_deg: camera.pose().fov_y_deg,
         };
-        camera.set_motion(camera_control::Motion::Fly);
-        self.state.motion = camera_control::Motion::Fly;
-        let pose: Pose = camera.pose_of(&view);
+        self.fly_to(&view);
+    }
+
+    /// Glides to a view wherever it is, and says how one walks again.
+    pub(super) fn fly_to(&mut self, view: &View) {
+        let Some(camera) = &mut self.camera else { return };
+        if camera.motion() == Motion::Walk {
+            let text = "Flying, to see this place: a step walks on from here, Home goes back to the start"
+                .to_owned();
+            self.notice = Some(Notice { text, is_error: false, since: self.time });
+        }
+        camera.set_motion(Motion::Fly);
+        self.visit.motion = Motion::Fly;
+        let pose: Pose = camera.pose_of(view);
         camera.travel_to(pose);
     }
 
@@ -487,9 +510,9 @@ impl App {
     pub(super) fn suggested_path(&self, kind: SaveKind) -> PathBuf {
         let scene = self.picture.prepared.as_ref().map(|p| &p.scene);
         let stem = scene.map_or("lumenwalk", |s| s.name.as_str());
-        let folder = match (kind, scene.map(|s| &s.source)) {
-            (SaveKind::Screenshot, _) | (_, None | Some(SceneSource::Builtin(_))) => pictures_folder(),
-            (_, Some(SceneSource::File(path))) => path.parent().map_or_else(pictures_folder, PathBuf::from),
+        let folder = match (kind, scene.and_then(|s| s.source.path())) {
+            (SaveKind::Screenshot, _) | (_, None) => pictures_folder(),
+            (_, Some(path)) => path.parent().map_or_else(pictures_folder, PathBuf::from),
         };
         match kind {
             SaveKind::RepairedCopy => free_name(&folder, &format!("{stem}-repaired"), kind.extension()),
@@ -529,9 +552,10 @@ impl App {
     }
 
     /// Writes what was edited beside the scene's file.
-    fn save_sidecar(&self) {
+    pub(super) fn save_sidecar(&mut self) {
+        self.begin_saving();
         let Some(scene) = &self.scene_shown else { return };
-        let SceneSource::File(path) = &scene.source else { return };
+        let Some(path) = scene.source.path() else { return };
         let edits = self.edits.clone();
         let bookmarks = (self.views.clone(), self.start_view);
         self.files.save_sidecar(path, Arc::clone(scene), edits, bookmarks);

@@ -201,9 +201,9 @@ impl Files {
     /// Watches the files of a scene from now on, or none.
     pub(super) fn watch(&mut self, source: Option<&SceneSource>) {
         self.watcher = None;
-        let Some(SceneSource::File(path)) = source else { return };
+        let Some(path) = source.and_then(SceneSource::path) else { return };
         let files = ["obj", "mtl", "toml"].map(|extension| path.with_extension(extension));
-        let files: Vec<PathBuf> = [path.clone()].into_iter().chain(files).collect();
+        let files: Vec<PathBuf> = [path.to_owned()].into_iter().chain(files).collect();
         let (keep, dropped) = channel::<()>();
         let (sender, ctx) = (self.sender.clone(), self.ctx.clone());
         let watch = move || {
@@ -298,7 +298,8 @@ fn save_table(path: &Path, job: &SaveJob) -> Result<(), ExportError> {
 }
 
 fn save_mesh(path: &Path, job: &SaveJob) -> Result<(), ExportError> {
-    save_lit_mesh(path, &job.prepared.display, &job.light, job.shading, job.exposure, job.tone_map)
+    let (display, origin) = (&job.prepared.display, job.prepared.scene.origin);
+    save_lit_mesh(path, display, origin, &job.light, job.shading, job.exposure, job.tone_map)
 }
 
 #[cfg(test)]

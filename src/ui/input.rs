@@ -118,7 +118,7 @@ pub(super) fn commands(ctx: &Context, model: &Model<'_>, help_open: bool, out: &
         (Key::Backspace, Command::PickBack),
         (
             Key::F,
-            Command::SetMotion(if model.state.motion == Motion::Walk { Motion::Fly } else { Motion::Walk }),
+            Command::SetMotion(if model.visit.motion == Motion::Walk { Motion::Fly } else { Motion::Walk }),
         ),
     ] {
         if pressed(key) {

@@ -7,6 +7,7 @@ mod adoption;
 mod app;
 mod auditor;
 mod background;
+mod banners;
 mod camera_control;
 mod collision;
 mod colour;
@@ -16,9 +17,11 @@ mod doctor;
 mod execute;
 mod exposure;
 mod files;
+mod fonts;
 mod frame_clock;
 mod history;
 mod input;
+mod leaving;
 mod legend;
 mod lit;
 mod marks;
@@ -44,7 +47,7 @@ mod worker;
 
 pub use app::App;
 pub use camera_control::Motion;
-pub use state::{DisplaySettings, Edits, Quantity, ShadingMode, UiState};
+pub use state::{DisplaySettings, Edits, Preferences, Quantity, ShadingMode, UiState, Visit};
 pub use worker::Worker;
 
 use crate::scene::SceneSource;
@@ -114,6 +117,8 @@ fn show_window(
             .with_min_inner_size([800.0, 480.0]),
         renderer: eframe::Renderer::Wgpu,
         persist_window: true,
+        // The window looks for fonts itself: see `fonts`.
+        system_font_fallback: false,
         ..Default::default()
     };
     let opened = Arc::new(AtomicBool::new(false));
@@ -124,6 +129,7 @@ fn show_window(
         has_opened.store(true, Ordering::Relaxed);
         let app = App::new(cc, Box::new(Arc::clone(session)), state);
         theme::leave_ground_to_the_clear(&cc.egui_ctx);
+        fonts::use_those_of_the_system(&cc.egui_ctx);
         Ok(Box::new(app.with_legacy(Arc::clone(legacy))))
     });
     // Without a device the interface panics as soon as it is drawn; what was done is left in `legacy`.

@@ -7,7 +7,7 @@ use super::overlay::{NOTICE_SECS, Notice};
 use super::panels;
 use super::path_dialog::PathDialog;
 use super::state::Quantity;
-use crate::scene::{Scene, SceneSource};
+use crate::scene::{FrameChoice, Scene, SceneSource};
 use crate::session::{Snapshot, Stage};
 use std::sync::Arc;
 
@@ -27,7 +27,7 @@ impl App {
             self.adopt_scene();
         }
         if news.bases {
-            self.picture.settle_comparison();
+            self.follow_with_comparison(ctx.input(|i| i.time));
             // Switched while the light was made.
             self.picture.settle(&self.edits.lighting);
             self.stale.light = true;
@@ -46,7 +46,7 @@ impl App {
             self.doctor.follow(prepared, move || wake.request_repaint());
         }
         for news in self.files.news() {
-            self.file_news(news, time);
+            self.file_news(ctx, news, time);
         }
         if let Some(notice) = &self.notice
             && !notice.is_error
@@ -103,7 +103,7 @@ impl App {
             light_version: self.picture.light_version,
             lighting: &self.edits.lighting,
         };
-        let maps = quantity.is_defect() || self.state.table_open || self.inspected.is_some();
+        let maps = quantity.is_defect() || self.visit.table_open || self.inspected.is_some();
         let news = self.microscope.follow(&self.snapshot, &shown, self.inspected, maps, ctx);
         if news && (quantity.is_defect() || quantity.is_row()) {
             self.stale.light = true;
@@ -166,9 +166,9 @@ impl App {
         }
     }
 
-    fn file_news(&mut self, news: FileNews, time: f64) {
+    fn file_news(&mut self, ctx: &egui::Context, news: FileNews, time: f64) {
         match news {
-            FileNews::Opened(path) => self.open(SceneSource::File(path)),
+            FileNews::Opened(path) => self.leave_for(SceneSource::File(path)),
             FileNews::SaveAs(kind, path) => self.save_to(kind, path),
             FileNews::Cancelled => {}
             FileNews::NoDialog(kind) => {
@@ -181,6 +181,7 @@ impl App {
                     self.files.watch(self.scene_shown.as_ref().map(|scene| &scene.source));
                 }
                 let text = format!("Saved {}", path.display());
+                self.has_saved(ctx, &path);
                 self.notice = Some(Notice { text, is_error: false, since: time });
             }
             FileNews::Repaired(path, what) => {
@@ -190,11 +191,15 @@ impl App {
             FileNews::Framed(path) => {
                 // One reading is enough.
                 self.files.watch(self.scene_shown.as_ref().map(|scene| &scene.source));
-                self.reload();
+                // What the sidecar says now is chosen, whatever the command line said.
+                if let Some(scene) = &self.scene_shown {
+                    self.open(scene.source.clone().framed(FrameChoice::default()));
+                }
                 let text = format!("Saved {}; the model is read again", path.display());
                 self.notice = Some(Notice { text, is_error: false, since: time });
             }
             FileNews::SaveFailed(text) => {
+                self.has_failed_to_save();
                 self.notice = Some(Notice { text, is_error: true, since: time });
             }
             FileNews::Changed => {

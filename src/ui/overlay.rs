@@ -64,9 +64,10 @@ pub(super) fn dark(ui: &egui::Ui, view: Rect) {
 pub(super) fn notice(ui: &egui::Ui, view: Rect, notice: &Notice, out: &mut Commands) {
     corner(ui, "notice", view, Align2::CENTER_TOP, |ui| {
         ui.horizontal(|ui| {
-            let (word, colour) =
-                if notice.is_error { ("Error", theme::FAILURE) } else { ("Done", theme::DONE) };
-            ui.label(RichText::new(word).strong().color(colour));
+            // What went well needs no word in front.
+            if notice.is_error {
+                ui.label(RichText::new("Error").strong().color(theme::FAILURE));
+            }
             ui.scope(|ui| {
                 // Room for the button beside it.
                 ui.set_max_width((ui.available_width() - 74.0).max(60.0));

@@ -15,6 +15,7 @@ use crate::display::{
     ColourMap, DisplayMesh, FalseColour, Shading, luminance, patch_illuminance, patch_luminance,
     usual_lighting,
 };
+use crate::effects::Effect;
 use crate::geometry::Aabb;
 use crate::mesh::{Patch, PatchMesh, Side};
 use crate::render::{MeshUploader, Picker, UploadError, UploadedMesh};
@@ -36,21 +37,23 @@ pub(super) struct Prepared {
     pub(super) obstacles: Obstacles,
     /// Longest extent squared over area, a patch each.
     pub(super) aspect: Vec<f32>,
+    /// Around the part that is looked at.
     pub(super) bounds: Aabb,
     /// Luminous flux of each lamp at full output as it comes with the file, lm.
     pub(super) full_lumens: Vec<f64>,
 }
 
 impl Prepared {
-    fn build(mesh_serial: u64, scene: Arc<Scene>, mesh: Arc<PatchMesh>) -> Self {
+    fn build(mesh_serial: u64, scene: Arc<Scene>, mesh: Arc<PatchMesh>, smooth: bool) -> Self {
+        let extent = scene.extent();
         Self {
             mesh_serial,
-            display: DisplayMesh::build(&mesh, &scene, true),
+            display: DisplayMesh::build(&mesh, &scene, smooth),
             picker: Picker::new(&mesh),
-            obstacles: Obstacles::of_mesh(&mesh, scene.up.vector()),
+            obstacles: Obstacles::of_mesh(&mesh, scene.up.vector(), &extent),
             aspect: mesh.patches.iter().map(|p| aspect(&mesh, p)).collect(),
             full_lumens: crate::scene::lumens(&scene).into_iter().map(|[full, _]| full).collect(),
-            bounds: Aabb::around(mesh.vertices.iter().copied()),
+            bounds: extent.main,
             scene,
             mesh,
         }
@@ -81,8 +84,14 @@ struct Built {
 }
 
 impl Built {
-    fn new(serial: u64, scene: Arc<Scene>, mesh: Arc<PatchMesh>, uploader: Option<&MeshUploader>) -> Self {
-        let prepared = Arc::new(Prepared::build(serial, scene, mesh));
+    fn new(
+        serial: u64,
+        scene: Arc<Scene>,
+        mesh: Arc<PatchMesh>,
+        smooth: bool,
+        uploader: Option<&MeshUploader>,
+    ) -> Self {
+        let prepared = Arc::new(Prepared::build(serial, scene, mesh, smooth));
         let uploaded = uploader.map(|u| u.upload(&prepared.display, &prepared.scene.textures));
         Self { prepared, uploaded }
     }
@@ -109,7 +118,7 @@ pub(super) struct Picture {
     /// The mesh that came to the screen last, on its way to the renderer.
     pub(super) uploaded: Option<Result<UploadedMesh, UploadError>>,
     maker: LightMaker,
-    bases: Option<Arc<LightBases>>,
+    pub(super) bases: Option<Arc<LightBases>>,
     pub(super) reflectance: Arc<Vec<[f32; 3]>>,
     /// That `light` is of.
     lighting: Lighting,
@@ -124,7 +133,7 @@ pub(super) struct Picture {
     /// Grows with every change of `light`.
     pub(super) light_version: u64,
     /// State A.
-    comparison: Option<Kept>,
+    pub(super) comparison: Option<Kept>,
 }
 
 impl Picture {
@@ -227,11 +236,12 @@ impl Picture {
             return;
         }
         let (scene, mesh) = (Arc::clone(scene), Arc::clone(mesh));
+        let smooth = snapshot.plan.as_ref().is_none_or(|plan| plan.is_on(Effect::SmoothSurfaces));
         let uploader = self.uploader.clone();
         let (sender, receiver) = channel();
         let build = move || {
             // Nobody listens any more when the window has closed.
-            sender.send(Built::new(serial, scene, mesh, uploader.as_ref())).ok();
+            sender.send(Built::new(serial, scene, mesh, smooth, uploader.as_ref())).ok();
             wake();
         };
         if std::thread::Builder::new().name("mesh for display".to_owned()).spawn(build).is_ok() {
@@ -282,34 +292,6 @@ impl Picture {
             Some(luminance(radiosity))
         });
         Metered { shown: [under(&self.light)].into_iter().chain(kept).collect(), usual: usual.collect() }
-    }
-
-    /// Keeps the present light as state A.
-    pub(super) fn store_comparison(&mut self, lighting: &Lighting) {
-        if let Some(prepared) = self.prepared.as_ref().filter(|_| !self.light.radiosity.is_empty()) {
-            let reflectance = Arc::clone(&self.reflectance);
-            let kept = Kept::new(prepared.mesh_serial, lighting.clone(), reflectance, self.light.clone());
-            self.comparison = Some(kept);
-        }
-    }
-
-    /// Lets state A follow a solution that has gone on.
-    pub(super) fn settle_comparison(&mut self) {
-        let (Some(prepared), Some(bases)) = (&self.prepared, &self.bases) else { return };
-        if let Some(kept) = self.comparison.as_mut().filter(|kept| kept.mesh_serial == prepared.mesh_serial) {
-            kept.settle(bases, &prepared.mesh, &self.reflectance);
-        }
-    }
-
-    /// Whether a state A of this mesh is stored.
-    pub(super) fn has_comparison(&self) -> bool {
-        self.kept().is_some()
-    }
-
-    /// State A, where it is of this mesh.
-    pub(super) fn kept(&self) -> Option<&Kept> {
-        let serial = self.prepared.as_ref()?.mesh_serial;
-        self.comparison.as_ref().filter(|kept| kept.mesh_serial == serial)
     }
 
     /// The values of a false-colour quantity under this light, one a patch.
@@ -416,8 +398,9 @@ pub(super) fn shading_of(mode: ShadingMode) -> Shading {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scene::{SceneSource, load};
-    use crate::session::{Control, SolveSettings, Stage, solve};
+    use crate::effects::EffectChoices;
+    use crate::scene::{SceneSource, from_text, load};
+    use crate::session::{Control, SolveSettings, Stage, prepare, solve};
     use std::sync::atomic::AtomicBool;
     use std::time::{Duration, Instant};
 
@@ -482,6 +465,37 @@ mod tests {
         assert_eq!(*picture.corner_radiosity(ShadingMode::Smooth, [2.0; 3]), *spread);
         let flat = picture.corner_radiosity_of(&picture.light, ShadingMode::Flat, [1.0; 3]);
         assert_eq!(*picture.corner_radiosity(ShadingMode::Flat, [1.0; 3]), *flat);
+    }
+
+    #[test]
+    fn smooth_surfaces_that_are_switched_off_are_not_drawn_smooth() {
+        // A fold of two rectangles whose normals along it agree.
+        let obj = "mtllib fold.mtl\nv 0 0 0\nv 1 0 0\nv 1 0 1\nv 0 0 1\nv 1.9 0.3 0\nv 1.9 0.3 1\n\
+            vn 0 1 0\nvn -0.2 1 0\nvn -0.4 1 0\nusemtl glow\n\
+            f 4//1 3//2 2//2 1//1\nf 3//2 6//3 5//3 2//2\n";
+        let scene = from_text("fold", obj, "newmtl glow\nKd .5 .5 .5\nKe 1 1 1\n", None).unwrap();
+        let scene = Arc::new(scene);
+        for (without, is_smooth) in [(vec![], true), (vec![Effect::SmoothSurfaces], false)] {
+            let effects = EffectChoices { with: vec![], without };
+            let settings = SolveSettings { effects, ..SolveSettings::default() };
+            let prepared = prepare(Arc::clone(&scene), &settings).unwrap();
+            let snapshot = Snapshot {
+                mesh_serial: 1,
+                stage: Stage::Stopped,
+                scene: Some(prepared.scene.clone()),
+                mesh: Some(prepared.mesh.clone()),
+                plan: Some(prepared.plan.clone()),
+                ..Snapshot::default()
+            };
+            let mut picture = Picture::default();
+            wait(&mut picture, &snapshot);
+            let drawn = &picture.prepared.as_ref().unwrap().display;
+            let expected = DisplayMesh::build(&prepared.mesh, &scene, is_smooth);
+            let normals = |mesh: &DisplayMesh| mesh.corners.iter().map(|c| c.normal).collect::<Vec<_>>();
+            assert_eq!(normals(drawn), normals(&expected));
+            let other = DisplayMesh::build(&prepared.mesh, &scene, !is_smooth);
+            assert_ne!(normals(drawn), normals(&other));
+        }
     }
 
     #[test]

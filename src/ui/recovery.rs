@@ -3,8 +3,9 @@
 
 use super::app::App;
 use super::camera_control::Pose;
+use super::leaving::Work;
 use super::overlay::Notice;
-use super::state::Edits;
+use super::state::{Edits, Visit};
 use crate::scene::{Scene, View};
 use std::sync::{Arc, Mutex, PoisonError};
 
@@ -12,6 +13,8 @@ use std::sync::{Arc, Mutex, PoisonError};
 pub(super) struct Handover {
     scene: Option<Arc<Scene>>,
     edits: Edits,
+    visit: Visit,
+    saved: Work,
     views: (Vec<View>, usize),
     pose: Option<Pose>,
     /// Why there is a next one.
@@ -99,6 +102,7 @@ impl App {
                 // Nothing more can be drawn; what the user has done is kept.
                 self.viewport = None;
                 self.hand_over(&reason);
+                self.may_close = true;
                 ctx.send_viewport_cmd(egui::ViewportCommand::Close);
             }
         }
@@ -110,6 +114,8 @@ impl App {
         legacy.lock().unwrap_or_else(PoisonError::into_inner).get_or_insert_with(|| Handover {
             scene: self.scene_shown.clone(),
             edits: self.edits.clone(),
+            visit: self.visit.clone(),
+            saved: self.saved.clone(),
             views: (self.views.clone(), self.start_view),
             pose: self.camera.as_ref().map(|camera| camera.pose()),
             reason: reason.to_owned(),
@@ -126,9 +132,10 @@ impl App {
         if !same {
             return;
         }
-        self.edits = handover.edits;
+        (self.edits, self.visit, self.saved) = (handover.edits, handover.visit, handover.saved);
         (self.views, self.start_view) = handover.views;
         if let (Some(camera), Some(pose)) = (&mut self.camera, handover.pose) {
+            camera.set_motion(self.visit.motion);
             camera.stand_at(pose);
         }
     }

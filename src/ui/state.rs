@@ -1,17 +1,19 @@
-//! What the window remembers between starts, and what one can undo: plain values, no behaviour.
+//! What the window remembers between starts, what it remembers of a scene while that is open, and what one
+//! can undo: plain values, no behaviour.
 
 use super::camera_control::Motion;
 use crate::display::ToneMap;
 use crate::scene::{Lighting, Scene};
 use crate::session::MaterialEdit;
 use serde::{Deserialize, Serialize};
+use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
 /// Files that the menu offers to open again.
 const RECENT: usize = 8;
 
 /// How surfaces are shaded.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum ShadingMode {
     /// Radiosity interpolated between vertices (Gouraud), never across creases.
     #[default]
@@ -21,7 +23,7 @@ pub enum ShadingMode {
 }
 
 /// What the picture shows.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Quantity {
     /// The lit scene.
     #[default]
@@ -204,8 +206,7 @@ impl Quantity {
 }
 
 /// How the picture is made from the light. Part of what undo covers.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(default)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DisplaySettings {
     /// Flat or smooth.
     pub shading: ShadingMode,
@@ -220,7 +221,6 @@ pub struct DisplaySettings {
     /// Colours as eyes see them that have adapted to the lamps.
     pub white_balance: bool,
     /// From exposed light to the display.
-    #[serde(with = "tone_by_name")]
     pub tone_map: ToneMap,
     /// Ends of the false-colour range where pinned.
     pub range: Option<[f64; 2]>,
@@ -239,6 +239,17 @@ pub struct DisplaySettings {
 }
 
 impl DisplaySettings {
+    /// The plain lit picture that a scene starts with.
+    pub fn preferring(preferences: Preferences) -> Self {
+        let Preferences { tone_map, white_balance, readout } = preferences;
+        Self { tone_map, white_balance, readout, ..Self::default() }
+    }
+
+    /// What of it holds for other scenes, too.
+    pub fn preferences(&self) -> Preferences {
+        Preferences { tone_map: self.tone_map, white_balance: self.white_balance, readout: self.readout }
+    }
+
     /// The same with another quantity. Its range is free, for one pinned in lux means nothing in cd/m²,
     /// unless the one pinned last was its own; what spans decades is shown in even factors.
     #[must_use]
@@ -278,7 +289,8 @@ impl Default for DisplaySettings {
     }
 }
 
-/// What the window remembers between starts.
+/// What the window remembers between starts: the person's, whatever scene is open. What belongs to a scene is
+/// in [`Visit`] and [`Edits`].
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct UiState {
@@ -288,8 +300,6 @@ pub struct UiState {
     pub right_open: bool,
     /// The line at the bottom with frame time, patches and memory.
     pub show_status: bool,
-    /// Walking or flying.
-    pub motion: Motion,
     /// Eyes above the floor, metres.
     pub eye_height: f64,
     /// Opened last, newest first.
@@ -298,12 +308,8 @@ pub struct UiState {
     pub hint_done: bool,
     /// Load a file again when it changes on disk.
     pub reload_on_change: bool,
-    /// The table of patches under the view.
-    pub table_open: bool,
-    /// What is doubtful about the model, under the view.
-    pub doctor_open: bool,
-    /// How the picture is made.
-    pub display: DisplaySettings,
+    /// How every scene is shown at first.
+    pub preferences: Preferences,
 }
 
 impl Default for UiState {
@@ -312,16 +318,49 @@ impl Default for UiState {
             left_open: true,
             right_open: true,
             show_status: true,
-            motion: Motion::Walk,
             eye_height: 1.6,
             recent: Vec::new(),
             hint_done: false,
             reload_on_change: true,
-            table_open: false,
-            doctor_open: false,
-            display: DisplaySettings::default(),
+            preferences: Preferences::default(),
         }
     }
+}
+
+/// The part of [`DisplaySettings`] that is a matter of taste and not of a scene.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+pub struct Preferences {
+    /// From exposed light to the display.
+    #[serde(with = "tone_by_name")]
+    pub tone_map: ToneMap,
+    /// Colours as eyes see them that have adapted to the lamps.
+    pub white_balance: bool,
+    /// Numbers under the cursor.
+    pub readout: bool,
+}
+
+impl Default for Preferences {
+    fn default() -> Self {
+        let DisplaySettings { tone_map, white_balance, readout, .. } = DisplaySettings::default();
+        Self { tone_map, white_balance, readout }
+    }
+}
+
+/// How a scene is looked at while it is open, besides the edits. Each scene starts from the default, and
+/// nothing of it outlives the window.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Visit {
+    /// Walking or flying.
+    pub motion: Motion,
+    /// How the user has chosen to move: an orbit and a jump leave the ground for this once.
+    pub chosen_motion: Motion,
+    /// The table of patches under the view.
+    pub table_open: bool,
+    /// What is doubtful about the model, under the view.
+    pub doctor_open: bool,
+    /// Banners that were dismissed, by their keys.
+    pub dismissed: BTreeSet<&'static str>,
 }
 
 impl UiState {
@@ -383,11 +422,34 @@ mod tests {
     #[test]
     fn the_state_survives_being_stored_and_missing_fields_take_defaults() {
         let mut state = UiState { eye_height: 1.2, hint_done: true, ..UiState::default() };
-        state.display.tone_map = ToneMap::Filmic;
+        state.preferences.tone_map = ToneMap::Filmic;
         state.remember(Path::new("/models/house.obj"));
         let text = serde_json::to_string(&state).expect("plain values");
         assert_eq!(serde_json::from_str::<UiState>(&text).expect("just written"), state);
         assert_eq!(serde_json::from_str::<UiState>("{}").expect("all optional"), UiState::default());
+        // What an earlier version stored of a scene is left alone.
+        let old = r#"{ "motion": "Fly", "doctor_open": true, "display": { "wireframe": true, "quantity": "Normals" } }"#;
+        assert_eq!(serde_json::from_str::<UiState>(old).expect("unknown fields"), UiState::default());
+    }
+
+    #[test]
+    fn a_scene_starts_with_a_lit_picture_whatever_was_shown_before() {
+        let before = DisplaySettings {
+            shading: ShadingMode::Flat,
+            quantity: Quantity::Illuminance,
+            auto_exposure: false,
+            compensation: 2.0,
+            tone_map: ToneMap::Filmic,
+            range: Some([0.0, 300.0]),
+            wireframe: true,
+            show_unlit: true,
+            readout: false,
+            ..DisplaySettings::default()
+        };
+        let next = DisplaySettings::preferring(before.preferences());
+        let expected =
+            DisplaySettings { tone_map: ToneMap::Filmic, readout: false, ..DisplaySettings::default() };
+        assert_eq!(next, expected);
     }
 
     #[test]

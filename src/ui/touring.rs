@@ -95,13 +95,14 @@ impl App {
             return;
         }
         let Some(prepared) = &self.picture.prepared else { return };
-        let (scene, bounds, views) = (Arc::clone(&prepared.scene), prepared.bounds, playing.plan.1.clone());
+        let (scene, views) = (Arc::clone(&prepared.scene), playing.plan.1.clone());
         let find = move || {
-            let up = scene.up.vector();
+            let (up, extent) = (scene.up.vector(), scene.extent());
+            let bounds = extent.main;
             let height = bounds.size().dot(up).abs();
             let eyes: Vec<_> = views.iter().map(|view| view.eye).collect();
-            let space = FreeSpace::new(&scene.triangles(), &eyes, up, person_scale(height));
-            Tour::walk(&views, up, walking_pace(height, bounds.diagonal()), &space)
+            let space = FreeSpace::new(&scene.main_triangles(&extent), &eyes, up, person_scale(height));
+            Tour::walk(&views, up, walking_pace(height, extent.scale), &space)
         };
         let wake = ctx.clone();
         self.tours.ask(&playing.plan, find, move || wake.request_repaint());

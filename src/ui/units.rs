@@ -24,6 +24,11 @@ pub(super) fn digits(value: f64) -> String {
     format!("{value:.*}", (2 - exponent).max(0) as usize)
 }
 
+/// A coordinate: three digits, or hundredths where it is far from zero, as survey coordinates are.
+pub(super) fn coordinate(value: f64) -> String {
+    if value.is_finite() && value.abs() >= 1000.0 { format!("{value:.2}") } else { digits(value) }
+}
+
 /// Lux or cd/m² to three digits, and none that no meter shows: in thousandths below one.
 pub(super) fn light(value: f64) -> String {
     let size = value.abs();

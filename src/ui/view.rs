@@ -3,9 +3,11 @@
 use super::app::App;
 use super::camera_control::{Motion, Wish};
 use super::command::Command;
+use super::overlay::Notice;
 use super::panels::Commands;
 use super::state::Quantity;
-use super::{input, legend, marks, outline, overlay, picture, theme};
+use super::{banners, input, legend, marks, outline, overlay, picture, theme};
+use crate::display::NO_VALUE;
 use crate::render::{Camera, ColourSource, FrameInput, Pick};
 use crate::scene::SceneSource;
 use crate::session::Stage;
@@ -37,6 +39,9 @@ impl App {
         self.move_camera(ui);
         self.adapt(ui);
         self.upload();
+        if self.stale.light {
+            ui.ctx().request_repaint();
+        }
         self.draw(ui, rect);
         self.show_divider(ui, rect);
         let pick = self.pick_at(&response);
@@ -87,7 +92,7 @@ impl App {
                 camera.nudge(scroll / 50.0, obstacles);
             }
         }
-        self.state.motion = camera.motion();
+        self.visit.motion = camera.motion();
     }
 
     fn move_camera(&mut self, ui: &egui::Ui) {
@@ -166,6 +171,16 @@ impl App {
             self.auditor.error_percent(&prepared.mesh).map(|values| [Some(values), None])
         } else if of_patch {
             let values = self.microscope.scalars(quantity, &prepared, &self.picture.light);
+            if quantity.is_row()
+                && values.as_ref().is_some_and(|values| values.iter().all(|v| *v <= NO_VALUE))
+            {
+                // All of it would be grey. What was shown before comes back with the next frame.
+                self.leave_row();
+                let text =
+                    "The patch sees no other one, so there is no row to show: back to what was shown before";
+                self.notice = Some(Notice { text: text.to_owned(), is_error: false, since: self.time });
+                return;
+            }
             values.map(|values| [Some(values), None])
         } else if quantity.is_scalar() {
             Some(lights.map(|l| l.map(|light| self.picture.scalars(quantity, light))))
@@ -299,6 +314,8 @@ impl App {
             }
             None => {}
         }
+        // Messages stand below the banners.
+        let below = banners::show(ui, rect, &model, out);
         if self.edits.display.readout
             && response.hovered()
             && let Some(pick) = pick
@@ -326,17 +343,17 @@ impl App {
             };
             overlay::waiting(ui, rect, text);
         } else if !self.state.hint_done && !self.help_open && self.notice.is_none() && !is_dark {
-            overlay::hint(ui, rect);
+            overlay::hint(ui, below);
         }
         if is_dark && self.picture.prepared.is_some() && self.notice.is_none() && self.touring.is_none() {
-            overlay::dark(ui, rect);
+            overlay::dark(ui, below);
         }
         // A message takes its place for a while.
         if let Some(touring) = self.touring.as_ref().filter(|_| self.notice.is_none()) {
-            overlay::tour(ui, rect, touring.progress(), touring.barred().as_deref());
+            overlay::tour(ui, below, touring.progress(), touring.barred().as_deref());
         }
         if let Some(notice) = &self.notice {
-            overlay::notice(ui, rect, notice, out);
+            overlay::notice(ui, below, notice, out);
         }
         if ui.input(|i| !i.raw.hovered_files.is_empty()) {
             overlay::drop_target(ui, rect);
@@ -357,6 +374,6 @@ impl App {
 
     /// How one moves at present.
     pub fn motion(&self) -> Motion {
-        self.state.motion
+        self.visit.motion
     }
 }

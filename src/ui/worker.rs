@@ -10,6 +10,8 @@ pub trait Worker {
     fn latest(&self) -> Arc<Snapshot>;
     /// Opens a scene and solves it.
     fn open(&self, source: SceneSource);
+    /// Opens a scene with settings of its own; those of the present scene stay where it is refused.
+    fn open_with(&self, source: SceneSource, settings: SolveSettings);
     /// Solves the present scene with other settings.
     fn set_settings(&self, settings: SolveSettings);
     /// The settings asked for last; those in force once some were refused.
@@ -31,6 +33,10 @@ impl Worker for Arc<Session> {
 
     fn open(&self, source: SceneSource) {
         Session::open(self, source);
+    }
+
+    fn open_with(&self, source: SceneSource, settings: SolveSettings) {
+        Session::open_with(self, source, settings);
     }
 
     fn set_settings(&self, settings: SolveSettings) {

@@ -525,3 +525,28 @@ fn the_solution_has_the_same_bits_on_any_number_of_threads() {
         }
     }
 }
+
+#[test]
+fn another_scene_brings_its_own_settings_and_a_refused_one_leaves_those_in_force() {
+    let watched = Watched::coarse();
+    let before = watched.open_builtin("hemicube");
+    let chosen = SolveSettings { resolution: Some(24), ..coarse(300) };
+    watched.session.set_settings(chosen.clone());
+    watched.until("the chosen settings", |s| s.stage == Stage::Converged && s.settings == chosen);
+    let missing = SceneSource::File("/nowhere/at/all.obj".into());
+    watched.session.open_with(missing, coarse(350));
+    let refused = watched.until("a refusal", |s| s.error.is_some() && s.stage == Stage::Converged);
+    assert_eq!((&refused.settings, &watched.session.settings()), (&chosen, &chosen));
+    assert_eq!(refused.mesh_serial, watched.session.latest().mesh_serial, "nothing is solved again");
+    assert!(Arc::ptr_eq(refused.scene.as_ref().unwrap(), before.scene.as_ref().unwrap()));
+    // One that is given up for the present scene leaves them as well.
+    watched.session.open_with(SceneSource::Builtin("gallery".to_owned()), coarse(350));
+    watched.session.open(SceneSource::Builtin("hemicube".to_owned()));
+    assert_eq!(watched.session.settings(), chosen);
+    let other = coarse(280);
+    watched.session.open_with(SceneSource::Builtin("cornell".to_owned()), other.clone());
+    let opened = watched.until("the other scene", |s| {
+        s.stage == Stage::Converged && s.scene.as_ref().is_some_and(|scene| scene.name == "cornell")
+    });
+    assert_eq!((&opened.settings, &watched.session.settings()), (&other, &other));
+}

@@ -53,6 +53,7 @@ impl Room {
                 source: SceneSource::Builtin("room".to_owned()),
                 unit: LengthUnit::Metre,
                 up: UpAxis::Y,
+                origin: DVec3::ZERO,
                 positions: Vec::new(),
                 normals: Vec::new(),
                 uvs: Vec::new(),

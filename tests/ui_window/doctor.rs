@@ -1,11 +1,11 @@
 //! The doctor in the window, on a model with every kind of fault; and windows of hardly any size.
 
-use crate::support::{Counting, click, has_adapter, press, solution_of, solved, wait_until, window};
+use crate::support::{Counting, click, has_adapter, press, says, solution_of, solved, wait_until, window};
 use egui::Key;
 use egui_kittest::kittest::Queryable as _;
 use egui_kittest::{Harness, SnapshotOptions};
 use lumenwalk::session::Snapshot;
-use lumenwalk::ui::{App, Motion, UiState};
+use lumenwalk::ui::{App, Motion, Quantity, UiState};
 use std::sync::{Arc, OnceLock};
 use tempfile::TempDir;
 
@@ -55,7 +55,7 @@ fn examined(drawn: bool) -> Harness<'static, App> {
 fn the_badge_opens_the_panel_and_a_finding_leads_to_its_place() {
     let mut harness = examined(false);
     click(&mut harness, "4 warnings");
-    assert!(harness.state().state().doctor_open);
+    assert!(harness.state().visit().doctor_open);
     for name in [
         "warning: Duplicate faces (1)",
         "warning: Inconsistent winding (1)",
@@ -88,8 +88,56 @@ fn the_badge_opens_the_panel_and_a_finding_leads_to_its_place() {
     assert!((corner - next.eye).normalize().dot(next.forward) > 0.9, "by the hole: {next:?}");
 
     press(&mut harness, Key::K);
-    assert!(!harness.state().state().doctor_open);
+    assert!(!harness.state().visit().doctor_open);
     assert!(harness.query_by_label("note: T-vertices (2)").is_none());
+}
+
+#[test]
+fn every_place_is_looked_at_from_inside_the_room_and_in_the_picture() {
+    let mut harness = examined(false);
+    press(&mut harness, Key::K);
+    // A row on the scene, which is grey nearly everywhere.
+    let at = harness.get_by_label("Scene view").rect().center();
+    harness.hover_at(at);
+    harness.run_steps(2);
+    press(&mut harness, Key::R);
+    assert!(harness.state().edits().display.quantity.is_row());
+    for name in [
+        "warning: Duplicate faces",
+        "warning: Inconsistent winding",
+        "warning: Open edges",
+        "warning: Leaks",
+        "note: T-vertices",
+        "note: Interpenetrating faces",
+    ] {
+        harness.get_by_label_contains(name).click();
+        harness.run_steps(90);
+        assert_eq!(harness.state().edits().display.quantity, Quantity::Picture);
+        for place in 1..=4 {
+            let eye = harness.state().camera().expect("shown").eye;
+            let inside = eye.cmpgt(glam::DVec3::ZERO).all() && eye.cmplt(glam::dvec3(5.0, 3.0, 4.0)).all();
+            assert!(inside, "{name}, place {place}: {eye}");
+            if harness.query_by_label("Next place").is_some() {
+                click(&mut harness, "Next place");
+                harness.run_steps(90);
+            }
+        }
+    }
+    assert_eq!(harness.state().motion(), Motion::Fly);
+}
+
+#[test]
+fn flying_to_a_finding_is_said_and_a_step_walks_on() {
+    let mut harness = examined(false);
+    press(&mut harness, Key::K);
+    click(&mut harness, "warning: Open edges (1)");
+    assert!(says(&harness, "Flying, to see this place"));
+    harness.run_steps(90);
+    harness.get_by_label("Scene view").click();
+    harness.key_down(Key::W);
+    harness.run_steps(3);
+    harness.key_up(Key::W);
+    assert_eq!(harness.state().motion(), Motion::Walk);
 }
 
 #[test]
@@ -97,10 +145,10 @@ fn the_panel_gives_way_to_the_table_and_back() {
     let mut harness = examined(false);
     press(&mut harness, Key::K);
     press(&mut harness, Key::J);
-    let state = harness.state().state();
+    let state = harness.state().visit();
     assert!(state.table_open && !state.doctor_open);
     press(&mut harness, Key::K);
-    let state = harness.state().state();
+    let state = harness.state().visit();
     assert!(!state.table_open && state.doctor_open);
 }
 

@@ -20,7 +20,7 @@ impl egui::DroppedFile for Dropped {
     }
 }
 
-fn drop_on(harness: &mut Harness<'_, App>, paths: &[&str]) {
+pub(crate) fn drop_on(harness: &mut Harness<'_, App>, paths: &[&str]) {
     for path in paths {
         harness.input_mut().dropped_files.push(Arc::new(Dropped(PathBuf::from(path))));
     }

@@ -1,9 +1,12 @@
 //! The window: driven by the names of its controls, its keys and its mouse, and looked at.
 
+mod colours;
 mod doctor;
 mod files;
+mod leaving;
 mod microscope;
 mod panels;
 mod pictures;
 mod requests;
+mod scenes;
 mod support;

@@ -235,7 +235,9 @@ fn maps_of_defects_come_in_their_units_and_signs() {
 #[test]
 fn the_map_of_the_error_comes_with_the_check_and_goes_with_the_light() {
     let mut harness = window(&Counting::showing(solved()), false);
-    wait_until(&mut harness, "the check", |h| h.query_by_label_contains(" RMS").is_some());
+    wait_until(&mut harness, "the check", |h| {
+        h.query_by_label("Half the area is off by less than -").is_none()
+    });
     click(&mut harness, "Map of the error");
     assert_eq!(quantity(&harness), Quantity::Error);
     let mesh = solved().mesh.clone().expect("meshed");

@@ -1,6 +1,6 @@
 //! The window driven by the names of its controls, its keys and its mouse.
 
-use crate::support::{Counting, click, click_at, place_of_lamp, press, solved, wait_until, window};
+use crate::support::{Counting, click, click_at, place_of_lamp, press, reveal, solved, wait_until, window};
 use egui::accesskit::Role;
 use egui::{Key, Modifiers};
 use egui_kittest::Harness;
@@ -9,12 +9,6 @@ use lumenwalk::scene::illuminance;
 use lumenwalk::session::Stage;
 use lumenwalk::ui::{App, Motion, Quantity, ShadingMode};
 use std::sync::Arc;
-
-/// Scrolls a panel until this is in view.
-fn reveal(harness: &mut Harness<'_, App>, name: &str) {
-    harness.get_by_label(name).scroll_to_me();
-    harness.run_steps(20);
-}
 
 /// Area-weighted mean illuminance, lux.
 fn mean_lux(harness: &Harness<'_, App>) -> f64 {
@@ -232,7 +226,7 @@ fn a_goal_is_gone_for_once_the_light_is_checked() {
     let worker = Counting::showing(solved());
     let mut harness = window(&worker, false);
     click(&mut harness, "In time");
-    wait_until(&mut harness, "a check", |h| h.query_by_label("Checking by rays").is_none());
+    wait_until(&mut harness, "a check", |h| h.query_by_label("Checking the error").is_none());
     click(&mut harness, "Reach it");
     assert_eq!(worker.requests().iter().filter(|r| r.starts_with("settings")).count(), 1);
     assert!(harness.query_by_label("On the way: solving").is_some());

@@ -1,29 +1,17 @@
 //! What the window asks of the solver, and what it says of the answers.
 
-use crate::support::{Counting, click, press, solution_of, solved, wait_until, window, write_model};
+use crate::support::{
+    Counting, click, press, read_again, says, solution_of, solved, wait_until, window, write_model,
+};
 use egui::Key;
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable as _;
-use lumenwalk::scene::{LengthUnit, Scene, SceneSource, View};
+use lumenwalk::scene::{LengthUnit, SceneSource, View};
 use lumenwalk::session::{Snapshot, Stage};
 use lumenwalk::ui::App;
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::Duration;
-
-/// The scene on screen, read again with changes.
-fn read_again(worker: &Counting, change: impl FnOnce(&mut Scene)) {
-    worker.publish(|s| {
-        let mut scene = Scene::clone(s.scene.as_ref().expect("a scene"));
-        change(&mut scene);
-        s.scene = Some(Arc::new(scene));
-        s.mesh_serial += 1;
-    });
-}
-
-fn says(harness: &Harness<'_, App>, text: &str) -> bool {
-    harness.query_all_by_label_contains(text).next().is_some()
-}
 
 fn opened(worker: &Counting) -> Vec<String> {
     worker.requests().into_iter().filter(|request| request.starts_with("open ")).collect()
@@ -207,4 +195,32 @@ fn the_unit_in_force_is_not_written_again() {
     assert_eq!(opened(&worker), Vec::<String>::new());
     choose(&mut harness, "Z is up");
     wait_until(&mut harness, "another axis", |_| opened(&worker).len() == 1);
+}
+
+#[test]
+fn a_model_on_its_side_in_inches_is_set_right_with_one_click() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let model = crate::support::write_model(folder.path());
+    std::fs::remove_file(model.with_extension("toml")).expect("there");
+    let text = std::fs::read_to_string(&model).expect("there");
+    let turned = |line: &str| match line.strip_prefix("v ") {
+        Some(rest) => {
+            let at: Vec<f64> = rest.split_whitespace().map(|word| word.parse().expect("a number")).collect();
+            let [x, y, z] = [at[0], -at[2], at[1]].map(|metres| metres / 0.0254);
+            format!("v {x} {y} {z}\n")
+        }
+        None => format!("{line}\n"),
+    };
+    std::fs::write(&model, text.lines().map(turned).collect::<String>()).expect("written");
+    let worker = Counting::showing(solution_of(&model));
+    let mut harness = window(&worker, false);
+    harness.run_steps(5);
+    assert!(harness.query_by_label_contains("to lie on its side, and to be in inches").is_some());
+    harness.get_by_label_contains("Set inches, z up").click();
+    wait_until(&mut harness, "the model is read again", |_| opened(&worker).len() == 1);
+    let sidecar = std::fs::read_to_string(model.with_extension("toml")).expect("written");
+    assert!(sidecar.contains("unit = \"in\"") && sidecar.contains("up = \"z\""), "{sidecar}");
+    assert!(solution_of(&model).scene.as_ref().is_some_and(|scene| {
+        (scene.bounds().size().z - 3.0).abs() < 1.0 && scene.findings.iter().all(|f| f.remedy.is_none())
+    }));
 }

@@ -136,6 +136,10 @@ impl Worker for Counting {
     fn open(&self, source: SceneSource) {
         self.note(format!("open {source}"));
     }
+    fn open_with(&self, source: SceneSource, settings: SolveSettings) {
+        self.note(format!("open {source}"));
+        self.0.lock().expect("no panic while locked").settings = Some(settings);
+    }
     fn set_settings(&self, settings: SolveSettings) {
         self.note(format!("settings {:?} {:?}", settings.method, settings.patches));
         self.0.lock().expect("no panic while locked").settings = Some(settings);
@@ -246,4 +250,25 @@ pub(crate) fn wait_until(
         std::thread::sleep(Duration::from_millis(5));
     }
     panic!("{what} never came");
+}
+
+/// Scrolls a panel until this is in view.
+pub(crate) fn reveal(harness: &mut Harness<'_, App>, name: &str) {
+    harness.get_by_label(name).scroll_to_me();
+    harness.run_steps(20);
+}
+
+/// The scene on screen, read again with changes.
+pub(crate) fn read_again(worker: &Counting, change: impl FnOnce(&mut Scene)) {
+    worker.publish(|s| {
+        let mut scene = Scene::clone(s.scene.as_ref().expect("a scene"));
+        change(&mut scene);
+        s.scene = Some(Arc::new(scene));
+        s.mesh_serial += 1;
+    });
+}
+
+/// Whether these words are on screen.
+pub(crate) fn says(harness: &Harness<'_, App>, text: &str) -> bool {
+    harness.query_all_by_label_contains(text).next().is_some()
 }

@@ -21,6 +21,8 @@ const SMALL_HOLE: f64 = 0.5;
 /// How the edges of a model meet.
 #[derive(Default)]
 struct Seams {
+    /// For each face whether it faces both ways.
+    both_ways: Vec<bool>,
     /// With a face on one side only.
     open: Vec<HalfEdge>,
     /// Between more than two faces, one of each bundle.
@@ -45,6 +47,7 @@ impl Seams {
         for bundle in bundles(edges) {
             match bundle {
                 [one] => open.push(*one),
+                [a, b] if [a, b].iter().any(|e| self.both_ways[e.face as usize]) => {}
                 [a, b] => {
                     self.joined.extend(bundle);
                     if a.from == b.from {
@@ -63,13 +66,17 @@ impl Seams {
 pub(super) fn check(survey: &Survey<'_>, findings: &mut Vec<Finding>) {
     let positions = &survey.scene.positions;
     let welded = weld(positions, WELD * survey.diagonal);
-    let faces: Vec<Vec<u32>> = survey
-        .scene
-        .surfaces
-        .iter()
-        .map(|s| s.corners.iter().map(|c| welded[c.position as usize]).collect())
+    // Two faces that are written for the two sides of one wall count as one, which faces both ways.
+    let is_second = |face: usize| survey.partners[face].is_some_and(|p| (p as usize) < face);
+    let surfaces = survey.scene.surfaces.iter().enumerate();
+    let faces: Vec<Vec<u32>> = surfaces
+        .map(|(face, s)| match is_second(face) {
+            true => Vec::new(),
+            false => s.corners.iter().map(|c| welded[c.position as usize]).collect(),
+        })
         .collect();
-    let mut seams = Seams::default();
+    let mut seams =
+        Seams { both_ways: survey.partners.iter().map(Option::is_some).collect(), ..Seams::default() };
     let open = seams.sort_in(&half_edges(&faces));
     if open.len() > MOST_OPEN {
         seams.given_up = true;

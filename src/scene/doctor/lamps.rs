@@ -1,9 +1,11 @@
 //! Lamps that are missing, dark or covered.
 
+use super::WELD;
 use super::survey::Survey;
 use crate::geometry::Ray;
 use crate::scene::finding::{Finding, FindingKind, Places, Severity};
 use crate::scene::names;
+use glam::DVec3;
 
 /// Looks at the lamps.
 pub(super) fn check(survey: &Survey<'_>, findings: &mut Vec<Finding>) {
@@ -22,28 +24,44 @@ pub(super) fn check(survey: &Survey<'_>, findings: &mut Vec<Finding>) {
         let finding = warning("all lamps are off, so the scene starts dark".to_owned());
         findings.push(finding.counted(scene.luminaires.len()));
     }
-    let mut covered = Vec::new();
+    let (mut covered, mut taken) = (Vec::new(), Vec::new());
     for (face, surface) in scene.surfaces.iter().enumerate() {
-        let Some(number) = surface.luminaire.filter(|_| !surface.emits_back) else { continue };
-        for &[a, b, c] in survey.triangles_of(face as u32) {
-            let Some(direction) = (b - a).cross(c - a).try_normalize() else { continue };
-            let ray = Ray { origin: (a + b + c) / 3.0, direction };
-            if survey.bvh.occluded(&ray, 1e-9 * diagonal, 1e-4 * diagonal) {
-                covered.push((number, face as u32));
-                break;
-            }
+        let Some(number) = surface.luminaire else { continue };
+        let front = survey.planes[face].normal;
+        let thickness = WELD * diagonal;
+        let middles = survey.triangles_of(face as u32).iter().map(|&[a, b, c]| (a + b + c) / 3.0);
+        // What lies on its back is not in front of it.
+        let is_covered = |origin: DVec3| {
+            survey.bvh.occluded(&Ray { origin, direction: front }, thickness, 1e-4 * diagonal)
+        };
+        let is_opposite = |t: u32| survey.normal_of(t).dot(front) < -0.99;
+        let is_taken = |origin: DVec3| {
+            let ray = Ray { origin: origin + front * thickness, direction: -front };
+            survey.bvh.occluded_where(&ray, 0.0, 2.0 * thickness, is_opposite)
+        };
+        if !surface.emits_back {
+            covered.extend(middles.into_iter().any(is_covered).then_some((number, face as u32)));
+        } else {
+            taken.extend(middles.into_iter().any(is_taken).then_some((number, face as u32)));
         }
     }
-    if !covered.is_empty() {
-        let lamps = names::list(covered.iter().map(|&(n, _)| scene.luminaires[n as usize].name.as_str()));
-        let message = format!(
-            "the light of {lamps} meets a surface right in front of it; turn its faces or set emits = \"back\""
-        );
-        findings.push(
-            warning(message)
-                .counted(covered.len())
-                .with("what it emits there lights nothing else")
-                .at(Places::of_faces(covered.iter().map(|&(_, face)| face))),
-        );
+    for (found, what, consequence) in [
+        (
+            covered,
+            "meets a surface right in front of it; turn its faces or set emits = \"back\"",
+            "what it emits there lights nothing else",
+        ),
+        (
+            taken,
+            "that leaves from its back does so where other faces look the same way; remove these",
+            "it is chance which of them is lit and seen",
+        ),
+    ] {
+        if found.is_empty() {
+            continue;
+        }
+        let lamps = names::list(found.iter().map(|&(n, _)| scene.luminaires[n as usize].name.as_str()));
+        let finding = warning(format!("the light of {lamps} {what}")).counted(found.len()).with(consequence);
+        findings.push(finding.at(Places::of_faces(found.iter().map(|&(_, face)| face))));
     }
 }

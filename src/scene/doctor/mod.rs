@@ -1,6 +1,6 @@
 //! What is doubtful about a model that could be read: the findings of `lumenwalk check`.
 //!
-//! All tolerances are shares of the scene's diagonal. Long searches end at a bound and say so.
+//! All tolerances are shares of [`super::Extent::scale`]. Long searches end at a bound and say so.
 
 mod edges;
 mod lamps;
@@ -9,7 +9,6 @@ mod overlaps;
 mod pairs;
 mod survey;
 pub(super) mod topology;
-mod unit;
 
 pub(super) use edges::{CRACK, MOST_OPEN, WELD};
 pub use pairs::Crossing;
@@ -27,7 +26,7 @@ pub struct Examination {
 }
 
 /// Looks for what the reader cannot repair: open, cracked or wrongly turned faces, overlapping and
-/// interpenetrating ones, missing or dark lamps, a doubtful unit.
+/// interpenetrating ones, missing or dark lamps.
 pub fn examine(scene: &Scene) -> Examination {
     let survey = survey::Survey::of(scene);
     let mut findings = Vec::new();
@@ -35,7 +34,6 @@ pub fn examine(scene: &Scene) -> Examination {
     let pairs = pairs::search(&survey);
     overlaps::report(&survey, &pairs, &mut findings);
     lamps::check(&survey, &mut findings);
-    unit::check(scene, &mut findings);
     Examination { findings, crossings: pairs.crossings }
 }
 
@@ -133,16 +131,6 @@ mod tests {
         assert!(has(&messages(&INWARD, LAMP, off), "all lamps are off"));
         let covered = LAMP.replace("2.9", "2.9999").replace("9 10 11 12", "12 11 10 9");
         assert!(has(&messages(&INWARD, &covered, ""), "right in front of it"));
-    }
-
-    #[test]
-    fn a_room_of_three_kilometres_is_likely_one_in_millimetres() {
-        let big = |sidecar: &str| {
-            let obj = "v 0 0 0\nv 4000 0 0\nv 4000 3000 0\nf 1 2 3\n";
-            check(&from_text("t", obj, "", Some(sidecar)).unwrap())
-        };
-        assert!(big("").iter().any(|f| f.message.contains("unit = \"mm\"") && f.message.contains("3.00 m")));
-        assert!(!big("unit = \"mm\"").iter().any(|f| f.message.contains("high")));
     }
 
     #[test]

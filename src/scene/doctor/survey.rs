@@ -1,6 +1,7 @@
 //! The faces of a scene made ready to be looked at: planes, triangles and a hierarchy over these.
 
 use crate::geometry::{Bvh, polygon};
+use crate::scene::sides::partners;
 use crate::scene::types::Scene;
 use crate::scene::views::triangles;
 use glam::DVec3;
@@ -36,13 +37,15 @@ impl Plane {
 /// A scene with what all searches need of it.
 pub(super) struct Survey<'a> {
     pub(super) scene: &'a Scene,
-    /// Of the box around everything, metres.
+    /// What tolerances are shares of, metres: the diagonal of the part that is looked at, or less.
     pub(super) diagonal: f64,
     pub(super) planes: Vec<Plane>,
     pub(super) bvh: Bvh,
     /// The face that each triangle is a part of.
     pub(super) owners: Vec<u32>,
     outlines: Vec<Vec<DVec3>>,
+    /// For each face the one that is written for its other side.
+    pub(super) partners: Vec<Option<u32>>,
     triangles: Vec<[DVec3; 3]>,
     ranges: Vec<Range<usize>>,
 }
@@ -60,10 +63,11 @@ impl<'a> Survey<'a> {
         }
         Self {
             scene,
-            diagonal: scene.bounds().diagonal(),
+            diagonal: scene.extent().scale,
             planes: outlines.iter().map(|outline| Plane::of(outline)).collect(),
             bvh: Bvh::build(&triangles),
             owners,
+            partners: partners(&scene.positions, &scene.surfaces),
             outlines,
             triangles,
             ranges,
@@ -80,14 +84,22 @@ impl<'a> Survey<'a> {
         &self.triangles[self.ranges[face as usize].clone()]
     }
 
-    /// Whether a point lies on a face other than `face`, to within `tolerance`.
+    /// Whether a point lies on a face other than `face`, and than that which is written for its other side, to
+    /// within `tolerance`.
     pub(super) fn lies_on_another(&self, point: DVec3, face: u32, tolerance: f64) -> bool {
         let mut on_one = false;
         self.bvh.touching(&crate::geometry::Aabb::around([point]).grown(tolerance), |triangle| {
             let near = || distance_to(point, &self.triangles[triangle as usize]) <= tolerance;
-            on_one = on_one || (self.owners[triangle as usize] != face && near());
+            let owner = self.owners[triangle as usize];
+            let is_other = owner != face && self.partners[face as usize] != Some(owner);
+            on_one = on_one || (is_other && near());
         });
         on_one
+    }
+
+    /// Unit normal on the front of the face that a triangle is a part of.
+    pub(super) fn normal_of(&self, triangle: u32) -> DVec3 {
+        self.planes[self.owners[triangle as usize] as usize].normal
     }
 
     /// Name of the object that a face belongs to.

@@ -6,20 +6,23 @@ use std::collections::{HashMap, HashSet};
 
 /// For each position the first one at the same place to within `tolerance`, metres.
 pub(in crate::scene) fn weld(positions: &[DVec3], tolerance: f64) -> Vec<u32> {
+    /// Edge of a cell in tolerances: most points lie far from the borders of theirs.
+    const CELL: f64 = 16.0;
     let mut cells: HashMap<[i64; 3], Vec<u32>> = HashMap::with_capacity(positions.len());
-    let scale = 1.0 / tolerance.max(f64::MIN_POSITIVE);
+    let scale = 1.0 / (CELL * tolerance.max(f64::MIN_POSITIVE));
+    let cell_of = |point: DVec3| (point * scale).floor().to_array().map(|c| c as i64);
     let mut welded = Vec::with_capacity(positions.len());
-    for (index, position) in positions.iter().enumerate() {
-        let [x, y, z] = (*position * scale).floor().to_array().map(|c| c as i64);
-        let near = (0..27).find_map(|k| {
-            let cell =
-                [x.saturating_add(k % 3 - 1), y.saturating_add(k / 3 % 3 - 1), z.saturating_add(k / 9 - 1)];
-            let close = |&i: &u32| positions[i as usize].distance(*position) <= tolerance;
-            cells.get(&cell).and_then(|list| list.iter().copied().find(close))
-        });
+    for (index, &position) in positions.iter().enumerate() {
+        let (low, high) = (cell_of(position - tolerance), cell_of(position + tolerance));
+        let between = |axis: usize| low[axis]..=high[axis];
+        let close = |&i: &u32| positions[i as usize].distance(position) <= tolerance;
+        let near = between(0)
+            .flat_map(|x| between(1).flat_map(move |y| between(2).map(move |z| [x, y, z])))
+            .filter_map(|cell| cells.get(&cell)?.iter().copied().find(close))
+            .min();
         let number = near.unwrap_or(index as u32);
         if near.is_none() {
-            cells.entry([x, y, z]).or_default().push(number);
+            cells.entry(cell_of(position)).or_default().push(number);
         }
         welded.push(number);
     }

@@ -43,7 +43,7 @@ pub struct Mended {
 /// Where a file of the model can no longer be read.
 pub fn mend(scene: &Scene, copy: &Path) -> Result<Mended, SceneError> {
     let originals = texts::originals(scene, copy)?;
-    let diagonal = scene.bounds().diagonal();
+    let diagonal = scene.extent().scale;
     let mut shape = Shape::of(scene);
     let (mut done, mut left): (_, Vec<String>) = (Vec::new(), Vec::new());
     let mut tell = |count: usize, one: &str, many: &str| {

@@ -7,6 +7,7 @@ use crate::scene::doctor::{CRACK, MOST_OPEN, WELD};
 use crate::scene::luminaires::turn;
 use crate::scene::obj::{Face, Obj};
 use crate::scene::repair::repair;
+use crate::scene::sides::partners;
 use crate::scene::types::{Corner, Scene, Surface};
 use glam::DVec3;
 use std::collections::HashMap;
@@ -150,7 +151,12 @@ impl Shape {
     /// Turns faces so that the shells that they are part of face one way; those that emit stay. Returns
     /// how many were turned, and how many that emit still face against a neighbour.
     pub(super) fn turn_minorities(&mut self) -> (usize, usize) {
-        let edges = half_edges(&self.corners());
+        let partners = partners(&self.scene.positions, &self.scene.surfaces);
+        let faces_both_ways = |e: &HalfEdge| partners[e.face as usize].is_some();
+        let one_way = |edges: Vec<HalfEdge>| -> Vec<HalfEdge> {
+            bundles(&edges).filter(|bundle| !bundle.iter().any(faces_both_ways)).flatten().copied().collect()
+        };
+        let edges = one_way(half_edges(&self.corners()));
         let weights: Vec<f64> = self
             .scene
             .surfaces
@@ -164,7 +170,7 @@ impl Shape {
         for (surface, _) in self.scene.surfaces.iter_mut().zip(&to_turn).filter(|(_, turn)| **turn) {
             turn(surface, &mut self.scene.normals);
         }
-        let edges = half_edges(&self.corners());
+        let edges = one_way(half_edges(&self.corners()));
         let mut opposed: Vec<u32> = bundles(&edges)
             .filter_map(|bundle| match bundle {
                 [a, b] if a.from == b.from => Some([a.face, b.face]),

@@ -5,9 +5,11 @@ use crate::scene::error::SceneError;
 use crate::scene::import::sidecar_path;
 use crate::scene::library::{Block, Library, open};
 use crate::scene::lookup::{Files, Found, read_plain};
-use crate::scene::luminaires::{lamps_of_entries, turn};
+use crate::scene::luminaires::turn;
 use crate::scene::map::{Map, Placement, is_map};
+use crate::scene::selection::lamps_of_entries;
 use crate::scene::sidecar::{EmitsKey, LuminaireEntry, Source};
+use crate::scene::sides::partners;
 use crate::scene::text::{decode, keyword, logical_lines};
 use crate::scene::types::{Scene, SceneSource, Surface};
 use std::collections::HashMap;
@@ -26,7 +28,7 @@ pub(super) struct Originals {
 /// Reads what a copy takes over.
 pub(super) fn originals(scene: &Scene, copy: &Path) -> Result<Originals, SceneError> {
     let path = match &scene.source {
-        SceneSource::File(path) => path,
+        SceneSource::File(path) | SceneSource::FileAs(path, _) => path,
         SceneSource::Builtin(name) => {
             let texts = builtin::source(name).ok_or_else(|| SceneError::UnknownBuiltin {
                 name: name.clone(),
@@ -151,8 +153,11 @@ pub(super) fn obj(scene: &Scene, originals: &Originals, copy: &Path) -> String {
     // Surfaces that emit from the back were turned when they were read, and will be again.
     let mut scene = scene.clone();
     let from_the_back = back_emitters(&scene, originals);
-    for surface in &mut scene.surfaces {
-        if surface.luminaire.is_some_and(|lamp| from_the_back.contains(&lamp)) {
+    let partners = partners(&scene.positions, &scene.surfaces);
+    let lamps: Vec<Option<u32>> = scene.surfaces.iter().map(|s| s.luminaire).collect();
+    let is_turned = |lamp: Option<u32>| lamp.is_some_and(|lamp| from_the_back.contains(&lamp));
+    for ((surface, &lamp), partner) in scene.surfaces.iter_mut().zip(&lamps).zip(&partners) {
+        if is_turned(lamp) || partner.is_some_and(|other| is_turned(lamps[other as usize])) {
             turn(surface, &mut scene.normals);
         }
     }
@@ -162,7 +167,6 @@ pub(super) fn obj(scene: &Scene, originals: &Originals, copy: &Path) -> String {
     let mut numbers =
         [vec![0_u32; scene.positions.len()], vec![0_u32; scene.uvs.len()], vec![0_u32; scene.normals.len()]];
     let mut counts = [0_u32; 3];
-    let metres = scene.unit.metres();
     for corner in scene.surfaces.iter().flat_map(|s| &s.corners) {
         let indices = [Some(corner.position), corner.uv, corner.normal];
         for (kind, index) in indices.into_iter().enumerate() {
@@ -170,7 +174,7 @@ pub(super) fn obj(scene: &Scene, originals: &Originals, copy: &Path) -> String {
             counts[kind] += 1;
             numbers[kind][index] = counts[kind];
             let values = match kind {
-                0 => (scene.positions[index] / metres).to_array().map(number).join(" "),
+                0 => scene.in_file(scene.positions[index]).to_array().map(number).join(" "),
                 1 => scene.uvs[index].to_array().map(number).join(" "),
                 _ => scene.normals[index].to_array().map(number).join(" "),
             };

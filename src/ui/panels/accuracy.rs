@@ -30,7 +30,7 @@ pub(in crate::ui) fn show(ui: &mut egui::Ui, model: &Model<'_>, out: &mut Comman
         ui.label(RichText::new(told).small().color(theme::TEXT));
     }
     if let Some(advice) = auditor.advice() {
-        let text = format!("Next seconds are best spent on {advice}.");
+        let text = format!("Best way to a smaller error: {advice}.");
         ui.label(RichText::new(text).small().color(theme::TEXT_WEAK));
     }
     let left = TOLD - (ui.cursor().top() - top);
@@ -44,15 +44,14 @@ const TOLD: f32 = 2.0 * 17.0;
 fn headline(ui: &mut egui::Ui, model: &Model<'_>, out: &mut Commands) {
     let auditor = model.auditor;
     ui.horizontal(|ui| {
-        let word = match (&auditor.budget, model.snapshot.stage) {
-            (Some(budget), _) => format!("Error {} RMS", percent(budget.total.error)),
-            (None, Stage::Converged) if !auditor.on => "Not checked".to_owned(),
-            (None, Stage::Converged) if auditor.is_dark => "No light to check".to_owned(),
-            (None, Stage::Converged) => "Checking by rays".to_owned(),
-            (None, _) => "Known once the light has settled".to_owned(),
+        let verdict = super::verdict::of(model);
+        let label = if verdict.error.is_empty() {
+            ui.label(RichText::new("Known once the light has settled").color(theme::TEXT_WEAK))
+        } else {
+            let mut letters = verdict.error.chars();
+            let word: String = letters.next().into_iter().flat_map(char::to_uppercase).chain(letters).collect();
+            ui.label(RichText::new(word).color(verdict.colour))
         };
-        let colour = if auditor.budget.is_some() { theme::ACCENT } else { theme::TEXT_WEAK };
-        let label = ui.label(RichText::new(word).color(colour));
         if let Some(budget) = &auditor.budget {
             label.on_hover_text(format!(
                 "Root mean square over the receiving area of what the illuminance as shown is off by, of its mean \
@@ -144,14 +143,18 @@ fn spread(ui: &mut egui::Ui, budget: Option<&ErrorBudget>, model: &Model<'_>, ou
             let Some(most) = dominant.filter(|d| d.share > 0.3 && d.share > 3.0 * d.area) else {
                 return;
             };
-            let button = ui.small_button("Go").on_hover_text("To the patch of it that weighs most");
+            let button = ui.small_button("Go").on_hover_text("Go to the patch that adds most to the error");
             if button.accessible_name("Go to the largest error").clicked() {
                 out.push(Command::JumpToPatch(most.patch));
             }
             let name = model.scene.and_then(|s| s.objects.get(most.object as usize));
             let name = name.map_or("one object", String::as_str);
-            let text = format!("{} of the squares on {name}", share(most.share));
-            let tip = format!("{name} has {} of the area.", percent(most.area));
+            let text = format!("{} of squared error: {name}", share(most.share));
+            let tip = format!(
+                "{name} has {} of the area and {} of the squared error.",
+                percent(most.area),
+                share(most.share)
+            );
             ui.with_layout(egui::Layout::left_to_right(egui::Align::Center), |ui| {
                 let label = egui::Label::new(RichText::new(text).small().color(theme::TEXT_WEAK));
                 ui.add(label.truncate()).on_hover_text(tip);

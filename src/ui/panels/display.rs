@@ -30,7 +30,7 @@ pub(in crate::ui) fn show(ui: &mut egui::Ui, model: &Model<'_>, out: &mut Comman
         ui.label(RichText::new("Shading").color(theme::TEXT_WEAK));
         ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
             for (mode, label, tip) in [
-                (ShadingMode::Flat, "Flat", "One radiosity a patch (G)"),
+                (ShadingMode::Flat, "Flat", "One radiosity per patch (G)"),
                 (ShadingMode::Smooth, "Smooth", "Interpolated between vertices, never across creases (G)"),
             ] {
                 if ui.add(Button::selectable(now.shading == mode, label)).on_hover_text(tip).clicked() {

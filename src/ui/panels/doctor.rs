@@ -138,6 +138,13 @@ fn details(ui: &mut Ui, scene: &Scene, finding: &Finding, chosen: Option<usize>,
             let text = format!("Solver: {}.", finding.consequence);
             ui.label(RichText::new(text).color(theme::TEXT_WEAK));
         }
+        if let Some((unit, up)) = finding.remedy.filter(|_| scene.source.path().is_some()) {
+            let tip = "Writes the sidecar beside the model and reads the model again";
+            let text = format!("Set {}", super::menu::frame_name(unit, up));
+            if ui.button(text).on_hover_text(tip).clicked() {
+                out.push(Command::SetFrame(unit, up));
+            }
+        }
         let count = spots(finding);
         if count == 0 {
             return;
@@ -189,10 +196,7 @@ fn capitalised(text: &str) -> String {
 /// A place in words: names and the line of the file, or coordinates in the unit of the scene.
 fn described(scene: &Scene, spot: Spot) -> String {
     let unit = scene.unit;
-    let at = |p: DVec3| {
-        let p = p / unit.metres();
-        format!("{}, {}, {}", units::digits(p.x), units::digits(p.y), units::digits(p.z))
-    };
+    let at = |p: DVec3| scene.in_file(p).to_array().map(units::coordinate).join(", ");
     match spot {
         Spot::Face(face) => {
             let Some(surface) = scene.surfaces.get(face as usize) else { return String::new() };

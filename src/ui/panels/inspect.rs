@@ -86,9 +86,8 @@ fn numbers(ui: &mut egui::Ui, model: &Model<'_>, scene: &Scene, id: u32, patch: 
     let aspect = model.aspect.get(index).copied().unwrap_or_default();
     theme::row(ui, "Aspect", units::digits(f64::from(aspect)));
     theme::row(ui, "Side", if patch.side == Side::Front { "front" } else { "back" });
-    let unit = scene.unit.metres();
-    let centre = (patch.centre / unit).to_array().map(|x| x as f32);
-    theme::row(ui, &format!("Centre, {}", scene.unit.symbol()), bands(centre));
+    let centre = scene.in_file(patch.centre).to_array().map(units::coordinate).join("  ");
+    theme::row(ui, &format!("Centre, {}", scene.unit.symbol()), centre);
     theme::row(ui, "Normal", bands(patch.normal.to_array().map(|x| x as f32)));
 }
 

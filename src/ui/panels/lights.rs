@@ -1,11 +1,11 @@
 //! The lamps: a switch, a dimmer, solo and a colour each.
 
-use super::{Commands, Model, empty};
+use super::{Commands, Model, colour_picker, empty};
 use crate::scene::{LUMINOUS_EFFICACY, LampState, Luminaire, black_body, luminance_weighted};
 use crate::ui::colour::{self, MAX_KELVIN, MIN_KELVIN};
 use crate::ui::command::Command;
 use crate::ui::{theme, units};
-use egui::{Align, Button, Color32, Layout, RichText, Slider, Vec2};
+use egui::{Align, Button, Layout, RichText, Slider, Vec2};
 
 /// Shows all lamps of the scene.
 pub(in crate::ui) fn show(ui: &mut egui::Ui, model: &Model<'_>, out: &mut Commands) {
@@ -108,23 +108,14 @@ impl Lamp<'_> {
 
 fn colour_button(ui: &mut egui::Ui, lamp: Lamp<'_>, state: LampState, new: &mut LampState) {
     let (_, hue) = colour::split(state.exitance);
-    let [r, g, b] = colour::to_bytes(hue);
-    let swatch = Button::new("").fill(Color32::from_rgb(r, g, b)).min_size(Vec2::new(20.0, 16.0));
-    let (response, _) = egui::containers::menu::MenuButton::from_button(swatch)
-        .config(
-            egui::containers::menu::MenuConfig::new()
-                .close_behavior(egui::PopupCloseBehavior::CloseOnClickOutside),
-        )
-        .ui(ui, |ui| colour_menu(ui, lamp, state, new));
-    response
-        .on_hover_text("Colour and strength")
-        .accessible_name(format!("Colour of {}", lamp.luminaire.name));
+    let name = format!("Colour of {}", lamp.luminaire.name);
+    super::swatch(ui, colour::to_bytes(hue), name, "Colour and output", |ui| {
+        colour_menu(ui, lamp, state, new)
+    });
 }
 
 fn colour_menu(ui: &mut egui::Ui, lamp: Lamp<'_>, state: LampState, new: &mut LampState) {
     let name = &lamp.luminaire.name;
-    ui.set_min_width(230.0);
-    theme::undo_menu_style(ui);
     ui.label(RichText::new(name).strong());
     let kelvin = colour::nearest_kelvin(state.exitance);
     // Rounded as shown: the slider must not take its own rounding for a wish.
@@ -149,19 +140,12 @@ fn colour_menu(ui: &mut egui::Ui, lamp: Lamp<'_>, state: LampState, new: &mut La
             }
         }
     });
-    ui.horizontal(|ui| {
-        ui.label("Colour");
-        let (_, hue) = colour::split(state.exitance);
-        let mut srgb = colour::to_bytes(hue);
-        let picked = ui.name_inputs(format!("Hue of {name}"), |ui| ui.color_edit_button_srgb(&mut srgb));
-        if picked.changed() {
-            let linear = srgb.map(|c| colour::linear_of_srgb(f64::from(c) / 255.0));
-            new.exitance = colour::recoloured(state.exitance, linear);
-        }
-        if kelvin.is_none() {
-            ui.label(RichText::new("not a white").color(theme::TEXT_WEAK));
-        }
-    });
+    if let Some(chosen) = colour_picker::show(ui, name, state.exitance) {
+        new.exitance = colour::recoloured(state.exitance, chosen);
+    }
+    // Kept in its place, so that nothing moves under the cursor.
+    let told = if kelvin.is_none() { "Not on the scale of white light" } else { " " };
+    ui.label(RichText::new(told).small().color(theme::TEXT_WEAK));
     ui.horizontal(|ui| {
         ui.label("Full output");
         let full = LampState { on: true, dimmer: 1.0, ..state };

@@ -1,11 +1,11 @@
 //! Reflectance and colour of every material; each edit solves again over the stored rows.
 
-use super::{Commands, Model, empty};
+use super::{Commands, Model, colour_picker, empty};
 use crate::scene::{MAX_REFLECTANCE, luminance_weighted};
 use crate::ui::colour;
 use crate::ui::command::Command;
 use crate::ui::theme;
-use egui::{Align, Layout, RichText, Slider};
+use egui::{Align, DragValue, Layout, RichText, Slider};
 
 /// Shows all materials of the scene.
 pub(in crate::ui) fn show(ui: &mut egui::Ui, model: &Model<'_>, out: &mut Commands) {
@@ -28,13 +28,11 @@ pub(in crate::ui) fn show(ui: &mut egui::Ui, model: &Model<'_>, out: &mut Comman
             ui.horizontal(|ui| {
                 ui.spacing_mut().item_spacing.x = 5.0;
                 let mut new = None;
-                let mut srgb = colour::to_bytes(now);
                 let name = &material.name;
-                let swatch =
-                    ui.name_inputs(format!("Colour of {name}"), |ui| ui.color_edit_button_srgb(&mut srgb));
-                if swatch.changed() {
-                    new = Some(srgb.map(|c| colour::linear_of_srgb(f64::from(c) / 255.0)));
-                }
+                let label = format!("Colour of {name}");
+                super::swatch(ui, colour::to_bytes(now), label, "Colour of the reflectance", |ui| {
+                    new = colour_menu(ui, name, now, material.reflectance);
+                });
                 ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
                     // Rounded as shown: the slider must not take its own rounding for a wish.
                     let shown = (luminance_weighted(now) * 100.0).round() / 100.0;
@@ -69,11 +67,45 @@ pub(in crate::ui) fn show(ui: &mut egui::Ui, model: &Model<'_>, out: &mut Comman
                 });
                 if let Some(new) = new {
                     let new = new.map(|c| c.clamp(0.0, MAX_REFLECTANCE));
-                    out.push(Command::SetReflectance(index, Some(new)));
+                    let is_edited = new != material.reflectance;
+                    out.push(Command::SetReflectance(index, is_edited.then_some(new)));
                 }
             });
         });
     }
+}
+
+/// Hue, saturation and the bands of a reflectance; the one that is chosen, if it is another.
+fn colour_menu(ui: &mut egui::Ui, name: &str, now: [f64; 3], of_the_file: [f64; 3]) -> Option<[f64; 3]> {
+    ui.label(RichText::new(name).strong());
+    // Another colour is as bright as the one before it.
+    let picked = colour_picker::show(ui, name, now);
+    let mut new = picked.map(|picked| scaled(picked, luminance_weighted(now)));
+    ui.horizontal(|ui| {
+        ui.label("Reflectance");
+        for (band, letter) in ["R", "G", "B"].into_iter().enumerate() {
+            // Rounded as shown, as below.
+            let shown = (now[band] * 1000.0).round() / 1000.0;
+            let mut wanted = shown;
+            let drag = DragValue::new(&mut wanted)
+                .range(0.0..=MAX_REFLECTANCE)
+                .speed(0.002)
+                .fixed_decimals(3)
+                .prefix(format!("{letter} "));
+            let drag = ui.add(drag).accessible_name(format!("{letter} of {name}"));
+            if drag.on_hover_text("Share of the light that is reflected in this band").changed()
+                && wanted != shown
+            {
+                let mut edited = now;
+                edited[band] = wanted;
+                new = Some(edited);
+            }
+        }
+    });
+    if ui.button("As the file has it").clicked() {
+        new = Some(of_the_file);
+    }
+    new
 }
 
 /// `reflectance` in the same hue with the luminance `rho`, as far as no band passes the maximum.

@@ -1,6 +1,6 @@
 //! The bar at the top: menus, the name of the scene, and the state of the solve.
 
-use super::solver::{fraction_of, is_running, state_of};
+use super::solver::{fraction_of, is_running};
 use super::{Commands, Model};
 use crate::scene::{LengthUnit, SceneSource, Severity, UpAxis};
 use crate::ui::command::{Command, SaveKind};
@@ -12,6 +12,9 @@ use egui::{Button, RichText};
 /// The embedded scenes and what the menu says of them.
 const BUILTIN: [(&str, &str); 4] =
     [("hemicube", "Room of 1985"), ("cornell", "Cornell box"), ("house", "House"), ("gallery", "Gallery")];
+
+/// Width below which the error is left to the accuracy section, points.
+const NARROW: f32 = 250.0;
 
 /// The units that a model can be in.
 const UNITS: [(LengthUnit, &str); 5] = [
@@ -63,8 +66,8 @@ fn badge(ui: &mut egui::Ui, model: &Model<'_>, out: &mut Commands) {
 }
 
 fn solve_state(ui: &mut egui::Ui, model: &Model<'_>) {
-    let (word, colour) = state_of(model.snapshot);
-    let mut text = word.to_owned();
+    let verdict = super::verdict::of(model);
+    let mut text = verdict.line();
     if is_running(model.snapshot.stage) {
         if let Some(fraction) = fraction_of(model.snapshot) {
             text += &format!("  {:.0} %", 100.0 * fraction);
@@ -73,9 +76,13 @@ fn solve_state(ui: &mut egui::Ui, model: &Model<'_>) {
             text += &format!("  {}", units::duration(left));
         }
     }
-    ui.label(RichText::new(text).color(colour));
+    if ui.available_width() < NARROW {
+        text = verdict.state;
+    }
+    ui.add(egui::Label::new(RichText::new(text).color(verdict.colour)).truncate())
+        .on_hover_text("Whether the light has settled, and the RMS error of the picture as rays found it");
     let (rect, _) = ui.allocate_exact_size(egui::Vec2::splat(10.0), egui::Sense::hover());
-    ui.painter().circle_filled(rect.center(), 4.0, colour);
+    ui.painter().circle_filled(rect.center(), 4.0, verdict.colour);
 }
 
 fn item(ui: &mut egui::Ui, out: &mut Commands, text: &str, key: &str, enabled: bool, command: Command) {
@@ -132,7 +139,7 @@ fn file(ui: &mut egui::Ui, model: &Model<'_>, out: &mut Commands) {
         };
         item(ui, out, kind.title(), key, lit, Command::Save(kind));
     }
-    let has_file = model.scene.is_some_and(|scene| matches!(scene.source, SceneSource::File(_)));
+    let has_file = model.scene.is_some_and(|scene| scene.source.path().is_some());
     item(
         ui,
         out,
@@ -146,9 +153,14 @@ fn file(ui: &mut egui::Ui, model: &Model<'_>, out: &mut Commands) {
     item(ui, out, "Quit", "Ctrl-Q", true, Command::Quit);
 }
 
+/// A unit and an up axis in words: "feet, z up".
+pub(in crate::ui) fn frame_name(unit: LengthUnit, up: UpAxis) -> String {
+    format!("{}, {} up", unit.name(), if up == UpAxis::Z { "z" } else { "y" })
+}
+
 /// In which unit the model is, and which of its axes points up.
 fn frame_of(ui: &mut egui::Ui, model: &Model<'_>, out: &mut Commands) {
-    let Some(scene) = model.scene.filter(|scene| matches!(scene.source, SceneSource::File(_))) else {
+    let Some(scene) = model.scene.filter(|scene| scene.source.path().is_some()) else {
         ui.label(RichText::new("Embedded scenes know theirs").color(theme::TEXT_WEAK));
         return;
     };
@@ -231,7 +243,7 @@ fn mesh(ui: &mut egui::Ui, model: &Model<'_>, out: &mut Commands) {
         ui.close();
     }
     item(ui, out, "Back to the patch before", "Backspace", model.can_go_back, Command::PickBack);
-    choice(ui, out, "Table of patches", "J", model.state.table_open, Command::ToggleTable);
-    choice(ui, out, "Doctor", "K", model.state.doctor_open, Command::Doctor(Ask::Toggle));
+    choice(ui, out, "Table of patches", "J", model.visit.table_open, Command::ToggleTable);
+    choice(ui, out, "Doctor", "K", model.visit.doctor_open, Command::Doctor(Ask::Toggle));
     item(ui, out, "Look into no patch", "Esc", model.inspected.is_some(), Command::Inspect(None));
 }

@@ -1,6 +1,7 @@
 //! The panels. Each shows a [`Model`] and answers with commands; none changes anything itself.
 
 pub(super) mod accuracy;
+mod colour_picker;
 pub(super) mod display;
 pub(super) mod doctor;
 mod error_chart;
@@ -15,13 +16,15 @@ mod row;
 pub(super) mod solver;
 pub(super) mod status;
 pub(super) mod table;
+mod verdict;
 pub(super) mod views;
 
 use super::auditor::Auditor;
 use super::command::Command;
 use super::doctor::Doctor;
+use super::fonts::Unreadable;
 use super::microscope::Microscope;
-use super::state::{Edits, UiState};
+use super::state::{Edits, UiState, Visit};
 use crate::display::{Exposure, FalseColour};
 use crate::mesh::PatchMesh;
 use crate::scene::{Scene, View};
@@ -56,6 +59,10 @@ pub(super) struct Model<'a> {
     pub(super) edits: &'a Edits,
     /// What the window remembers.
     pub(super) state: &'a UiState,
+    /// How the scene is looked at.
+    pub(super) visit: &'a Visit,
+    /// Characters that no font has.
+    pub(super) unreadable: &'a Unreadable,
     /// Bookmarks: of the scene and stored by the user.
     pub(super) views: &'a [View],
     /// The one to start from.
@@ -123,6 +130,29 @@ pub(super) fn section(ui: &mut egui::Ui, title: &str, open: bool, contents: impl
 pub(super) fn no_scene(ui: &mut egui::Ui, model: &Model<'_>, text: &str) {
     let is_coming = !matches!(model.snapshot.stage, Stage::Idle | Stage::Failed);
     empty(ui, if is_coming { "Loading..." } else { text });
+}
+
+/// A swatch of an sRGB colour that opens `contents` below it; `name` is what it is called where it is not seen.
+fn swatch(
+    ui: &mut egui::Ui,
+    [r, g, b]: [u8; 3],
+    name: String,
+    tip: &str,
+    contents: impl FnOnce(&mut egui::Ui),
+) {
+    use egui::containers::menu::{MenuButton, MenuConfig};
+    let swatch = egui::Button::new("")
+        .fill(egui::Color32::from_rgb(r, g, b))
+        .stroke(egui::Stroke::new(1.0, egui::Color32::from_gray(84)))
+        .small()
+        .min_size(egui::Vec2::new(22.0, 18.0));
+    let config = MenuConfig::new().close_behavior(egui::PopupCloseBehavior::CloseOnClickOutside);
+    let (response, _) = MenuButton::from_button(swatch).config(config).ui(ui, |ui| {
+        ui.set_min_width(250.0);
+        super::theme::undo_menu_style(ui);
+        contents(ui);
+    });
+    response.on_hover_text(tip).accessible_name(name);
 }
 
 /// A line of weak text where a section has nothing to show yet.

@@ -22,7 +22,7 @@ pub(in crate::ui) fn state_of(snapshot: &Snapshot) -> (&'static str, Color32) {
         Stage::Rows => ("Solving", theme::ACCENT),
         Stage::Balancing => ("Balancing", theme::ACCENT),
         Stage::Sweeping => ("Settling", theme::ACCENT),
-        Stage::Converged => ("Converged", theme::DONE),
+        Stage::Converged => ("Settled", theme::TEXT),
         Stage::Stopped => ("Stopped: light out of date", theme::WARNING),
         Stage::Failed => ("Failed", theme::FAILURE),
     }
@@ -65,7 +65,13 @@ pub(in crate::ui) fn show(ui: &mut egui::Ui, model: &Model<'_>, out: &mut Comman
     let running = is_running(snapshot.stage);
     ui.spacing_mut().item_spacing.y = 3.0;
     ui.horizontal(|ui| {
-        ui.label(RichText::new(word).color(colour));
+        let state = ui.label(RichText::new(word).color(colour));
+        if snapshot.stage == Stage::Converged {
+            state.on_hover_text(
+                "Further sweeps would change less than the tolerance. How far the picture is from the truth stands \
+                 under Accuracy",
+            );
+        }
         ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
             ui.spacing_mut().item_spacing.x = 4.0;
             if ui
@@ -140,8 +146,9 @@ fn numbers(ui: &mut egui::Ui, snapshot: &Snapshot, power: Power) {
     theme::row(ui, "Sweeps", sweeps)
         .on_hover_text("The residual is what the last sweep still changed, of all");
     let bound = last.map_or_else(none, |s| super::accuracy::percent(s.error_bound));
-    theme::row(ui, "Error of the solution at most", bound).on_hover_text(
-        "Guaranteed, of the largest radiosity reflected; that of patches and form factors not counted",
+    theme::row(ui, "Left to settle, at most", bound).on_hover_text(
+        "What all further sweeps could still change, of the largest reflected radiosity: a guaranteed bound. The \
+         errors of patches and form factors are not part of it",
     );
     let escaped = (power.emitted - power.absorbed).max(0.0);
     // Less is what single precision and the last sweep leave.
@@ -247,14 +254,14 @@ fn settings(ui: &mut egui::Ui, now: &SolveSettings, out: &mut Commands) {
         }
     });
     let text = match now.patches {
-        PatchTarget::Auto => "As the scene asks".to_owned(),
+        PatchTarget::Auto => "Chosen for the scene".to_owned(),
         PatchTarget::Size(metres) => format!("{} m each", units::digits(metres)),
         PatchTarget::Count(n) => format!("about {}", units::count(n)),
-        PatchTarget::AsGiven => "One a polygon".to_owned(),
+        PatchTarget::AsGiven => "One per polygon".to_owned(),
     };
     combo(ui, "Patches", &text, |ui| {
-        let auto = (PatchTarget::Auto, "As the scene asks".to_owned());
-        let given = (PatchTarget::AsGiven, "One a polygon".to_owned());
+        let auto = (PatchTarget::Auto, "Chosen for the scene".to_owned());
+        let given = (PatchTarget::AsGiven, "One per polygon".to_owned());
         let counts = COUNTS.map(|n| (PatchTarget::Count(n), format!("about {}", units::count(n))));
         for (target, label) in [auto, given].into_iter().chain(counts) {
             if ui.selectable_label(now.patches == target, label).clicked() {
@@ -293,10 +300,10 @@ fn method_name(method: Method) -> &'static str {
 
 fn points_name(points: ReceivingPoints) -> &'static str {
     match points {
-        ReceivingPoints::Auto => "As shadows ask",
-        ReceivingPoints::One => "1 a patch",
-        ReceivingPoints::Four => "4 a patch",
-        ReceivingPoints::Sixteen => "16 a patch",
+        ReceivingPoints::Auto => "More in shadow edges",
+        ReceivingPoints::One => "1 per patch",
+        ReceivingPoints::Four => "4 per patch",
+        ReceivingPoints::Sixteen => "16 per patch",
     }
 }
 

@@ -9,7 +9,7 @@ use egui::RichText;
 pub(in crate::ui) fn show(ui: &mut egui::Ui, model: &Model<'_>) {
     ui.horizontal(|ui| {
         let weak = |text: String| RichText::new(text).small().color(theme::TEXT_WEAK);
-        ui.label(weak(match model.state.motion {
+        ui.label(weak(match model.visit.motion {
             Motion::Walk => format!("walk  {:.2} m", model.state.eye_height),
             Motion::Fly => "fly".to_owned(),
         }));

@@ -13,7 +13,7 @@ pub(in crate::ui) fn show(ui: &mut egui::Ui, model: &Model<'_>, out: &mut Comman
             (Motion::Walk, "Walk", "On the floor, stopped by walls (F)"),
             (Motion::Fly, "Fly", "Freely, through everything (F)"),
         ] {
-            if ui.add(Button::selectable(model.state.motion == motion, label)).on_hover_text(tip).clicked() {
+            if ui.add(Button::selectable(model.visit.motion == motion, label)).on_hover_text(tip).clicked() {
                 out.push(Command::SetMotion(motion));
             }
         }

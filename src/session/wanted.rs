@@ -1,0 +1,75 @@
+//! What the user has asked of the worker.
+
+use super::pipeline::SolveSettings;
+use super::worker::MaterialEdit;
+use crate::scene::{Scene, SceneSource};
+use std::sync::{Arc, Weak};
+
+/// All that the user has asked for; the newest state wins, and what was refused is wanted no more.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Wanted {
+    pub(super) source: Option<SceneSource>,
+    /// Counts the requests to open, so that the same file can be read again.
+    pub(super) opened: u64,
+    pub(super) settings: SolveSettings,
+    /// While another scene is on its way: the source before it and its settings, in case that scene is
+    /// refused.
+    held: Option<(Option<SceneSource>, SolveSettings)>,
+    pub(super) edits: Edits,
+    /// Counts all requests.
+    pub(super) generation: u64,
+}
+
+impl Wanted {
+    /// Asks for a scene under the settings as they are, or for the one again that another was to replace.
+    pub(super) fn open(&mut self, source: SceneSource) {
+        let source = Some(source);
+        if self.held.as_ref().is_some_and(|(before, _)| *before == source) {
+            self.return_to(source);
+        } else {
+            self.source = source;
+        }
+        self.opened += 1;
+    }
+
+    /// Asks for a scene with settings of its own.
+    pub(super) fn open_with(&mut self, source: SceneSource, settings: SolveSettings) {
+        let before = (self.source.replace(source), std::mem::replace(&mut self.settings, settings));
+        self.held.get_or_insert(before);
+        self.opened += 1;
+    }
+
+    /// The request to open of this number has been answered.
+    pub(super) fn has_come(&mut self, opened: u64) {
+        if self.opened == opened {
+            self.held = None;
+        }
+    }
+
+    /// Goes back to the scene before the one that was refused, with the settings that it had.
+    pub(super) fn return_to(&mut self, source: Option<SceneSource>) {
+        self.source = source;
+        if let Some((_, settings)) = self.held.take() {
+            self.settings = settings;
+        }
+    }
+}
+
+/// Reflectances and the scene whose materials they are of: an index means nothing in another.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Edits {
+    scene: Weak<Scene>,
+    materials: Vec<MaterialEdit>,
+}
+
+impl Edits {
+    /// These reflectances of `scene`.
+    pub(super) fn new(scene: &Arc<Scene>, materials: Vec<MaterialEdit>) -> Self {
+        Self { scene: Arc::downgrade(scene), materials }
+    }
+
+    /// Those that are of `scene`.
+    pub(super) fn of(&self, scene: &Arc<Scene>) -> &[MaterialEdit] {
+        if Weak::as_ptr(&self.scene) == Arc::as_ptr(scene) { &self.materials } else { &[] }
+    }
+}
