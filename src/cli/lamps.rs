@@ -67,29 +67,38 @@ pub(super) fn lighting(
     dim: &[(String, f64)],
 ) -> Result<Lighting, Failure> {
     let mut lighting = scene.lighting();
-    let switched_on = on.iter().map(|name| lamp(scene, name)).collect::<Result<Vec<_>, _>>()?;
+    let mut switched_on = Vec::new();
+    for name in on {
+        switched_on.extend(lamps(scene, name)?);
+    }
     for index in &switched_on {
         lighting.lamps[*index].on = true;
     }
     for name in off {
-        let index = lamp(scene, name)?;
-        if switched_on.contains(&index) {
-            let name = &scene.luminaires[index].name;
-            return Err(Failure::input(format!("'{name}' is named by --on and by --off; choose one")));
+        for index in lamps(scene, name)? {
+            if switched_on.contains(&index) {
+                let name = &scene.luminaires[index].name;
+                return Err(Failure::input(format!("'{name}' is named by --on and by --off; choose one")));
+            }
+            lighting.lamps[index].on = false;
         }
-        lighting.lamps[index].on = false;
     }
     for (name, value) in dim {
-        lighting.lamps[lamp(scene, name)?].dimmer = *value;
+        for index in lamps(scene, name)? {
+            lighting.lamps[index].dimmer = *value;
+        }
     }
     Ok(lighting)
 }
 
-fn lamp(scene: &Scene, name: &str) -> Result<usize, Failure> {
-    scene.luminaire_named(name).ok_or_else(|| {
-        let names = scene.luminaires.iter().map(|lamp| lamp.name.as_str());
-        unknown(scene, "lamp", name, names)
-    })
+/// The lamps that a name means; one at least.
+fn lamps(scene: &Scene, name: &str) -> Result<Vec<usize>, Failure> {
+    let found = scene.luminaires_named(name);
+    if !found.is_empty() {
+        return Ok(found);
+    }
+    let names = scene.luminaires.iter().map(|lamp| lamp.name.as_str());
+    Err(unknown(scene, "lamp", name, names))
 }
 
 /// The view with this name.

@@ -138,6 +138,7 @@ impl Scene {
             self.surfaces.truncate(self.surfaces.len() - count);
             self.positions.truncate(self.positions.len() - 4 * count);
             self.objects.truncate(self.objects.len() - count);
+            self.given_objects.truncate(self.given_objects.len() - count);
             self.luminaires.truncate(self.luminaires.len() - count);
             self.materials.pop();
         }
@@ -159,6 +160,7 @@ impl Scene {
             let first = self.positions.len() as u32;
             self.positions.extend(lamp.corners(self.up));
             self.objects.push(lamp.name.clone());
+            self.given_objects.push(lamp.name.clone());
             self.surfaces.push(Surface {
                 corners: (first..first + 4)
                     .map(|position| Corner { position, normal: None, uv: None })

@@ -1,5 +1,6 @@
 //! The window as a whole: what it holds, and the order of a frame.
 
+use super::adoption::LeftBehind;
 use super::auditor::Auditor;
 use super::background::Background;
 use super::camera_control::CameraControl;
@@ -126,6 +127,8 @@ pub struct App {
     screenshot_arrived: Arc<std::sync::Mutex<Option<Arc<egui::ColorImage>>>>,
     /// The scene that lamps, materials and views belong to.
     pub(super) scene_shown: Option<Arc<Scene>>,
+    /// What was done to lamps and materials that the last reading of the file lacks.
+    pub(super) left_behind: Option<LeftBehind>,
     /// The bookmark gone to last.
     pub(super) view_index: Option<usize>,
     /// Pixels of the view across and down.
@@ -215,6 +218,7 @@ impl App {
             screenshot_wanted: false,
             screenshot_arrived: Arc::default(),
             scene_shown: None,
+            left_behind: None,
             view_index: None,
             view_size_px: [1, 1],
             dismissed: None,
