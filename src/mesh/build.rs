@@ -7,7 +7,7 @@ use super::reach::{Buried, Reach, Search};
 use super::refinement::Refinement;
 use super::regions::{self, Outline};
 use super::types::{MeshStatistics, NO_PATCH, Patch, PatchMesh, Side};
-use crate::scene::Scene;
+use crate::scene::{Extent, Scene};
 use rayon::prelude::*;
 use std::sync::Arc;
 
@@ -89,9 +89,16 @@ const PATCH_LIMIT: usize = 2_000_000;
 /// Splits the surfaces of a scene into patches.
 pub fn build(scene: &Scene, settings: &MeshSettings) -> Result<PatchMesh, MeshError> {
     // 1. Join coplanar neighbours, and find the sides that light can reach.
-    let size = scene.extent().scale;
+    let extent = scene.extent();
+    let size = extent.scale;
     let as_given = settings.target == PatchTarget::AsGiven;
-    let (outlines, dropped) = regions::join(scene, size, as_given);
+    let (mut outlines, dropped) = regions::join(scene, size, as_given);
+    let is_counted = match settings.target {
+        PatchTarget::Count(_) => true,
+        PatchTarget::Auto => scene.patch_size.is_none(),
+        PatchTarget::Size(_) | PatchTarget::AsGiven => false,
+    };
+    outlines.iter_mut().for_each(|outline| outline.coarsest = coarsest(outline, &extent, is_counted));
     if outlines.is_empty() {
         return Err(MeshError::Empty);
     }
@@ -189,6 +196,19 @@ fn mark_backed(mesh: &mut PatchMesh, sheets: &Sheets<'_>, index: usize) {
     }
 }
 
+/// Below which edge patches of an outline are not cut, metres: a share of it where it is far away from the rest,
+/// and where it is larger than what tolerances follow, as terrain is around a house.
+fn coarsest(outline: &Outline, extent: &Extent, is_counted: bool) -> f64 {
+    let longest = (outline.max - outline.min).max_element();
+    if !extent.holds(&outline.bounds) {
+        longest / 8.0
+    } else if is_counted && longest > extent.scale {
+        longest / 24.0
+    } else {
+        0.0
+    }
+}
+
 /// Convex parts of surfaces large enough to hide much of the scene, by falling area.
 fn blockers(outlines: &[Outline], size: f64) -> Vec<Vec<glam::DVec3>> {
     const MOST: usize = 512;
@@ -254,6 +274,7 @@ fn estimate(outlines: &[Outline], sides: &[[bool; 2]], size: f64) -> f64 {
         .zip(sides)
         .map(|(outline, sides)| {
             let extent = outline.max - outline.min;
+            let size = size.max(outline.coarsest);
             let cells = (extent.x / size).ceil().max(1.0) * (extent.y / size).ceil().max(1.0);
             (cells * filled(outline)).max(1.0) * taking_part(*sides)
         })
