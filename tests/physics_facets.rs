@@ -7,6 +7,7 @@ use glam::{DVec3, dvec3};
 use lumenwalk::form_factors::closed_form::point_to_polygon;
 use lumenwalk::mesh::PatchTarget;
 use lumenwalk::session::Solved;
+use lumenwalk::study;
 use std::f64::consts::{PI, TAU};
 
 /// Exitance of each facet, W/m².
@@ -42,9 +43,16 @@ fn exact(facets: &[[DVec3; 3]], point: DVec3, normal: DVec3, visible: &dyn Fn(DV
     facets
         .iter()
         .filter(|facet| facet_normal(facet).dot(point - facet[0]) > 0.0)
-        .filter(|facet| visible((facet[0] + facet[1] + facet[2]) / 3.0))
-        .map(|facet| EXITANCE * point_to_polygon(point, normal, facet))
+        .flat_map(|facet| parts(*facet))
+        .filter(|part| visible((part[0] + part[1] + part[2]) / 3.0))
+        .map(|part| EXITANCE * point_to_polygon(point, normal, &part))
         .sum()
+}
+
+/// A facet in four, each of which is seen or not.
+fn parts([a, b, c]: [DVec3; 3]) -> [[DVec3; 3]; 4] {
+    let [d, e, f] = [0.5 * (b + c), 0.5 * (c + a), 0.5 * (a + b)];
+    [[a, f, e], [f, b, d], [e, d, c], [d, e, f]]
 }
 
 fn add(m: &mut Model, name: &str, material: &str, facets: &[[DVec3; 3]]) {
@@ -75,10 +83,10 @@ fn probes(lamp: DVec3) -> Vec<(DVec3, DVec3)> {
 }
 
 fn errors_at(solved: &Solved, probes: &[(DVec3, DVec3)], exact: impl Fn(DVec3, DVec3) -> f64) -> Vec<f64> {
-    let light = solved.light(&solved.scene.lighting());
-    let found = solved.irradiance_at(probes, &light);
+    let lighting = solved.scene.lighting();
+    let found = study::points(solved, &lighting, &solved.light(&lighting), probes);
     let largest = probes.iter().map(|&(p, n)| exact(p, n)).fold(0.0, f64::max);
-    let compared = probes.iter().zip(found).map(|(&(p, n), h)| (h[0], exact(p, n)));
+    let compared = probes.iter().zip(found).map(|(&(p, n), h)| (h.irradiance[0], exact(p, n)));
     // Of what hardly sees the lamp little can be told.
     compared.filter(|(_, exact)| *exact > 0.02 * largest).map(|(h, exact)| h / exact - 1.0).collect()
 }
@@ -159,8 +167,8 @@ fn a_bulb_within_a_shade_sends_what_the_shade_lets_through() {
     assert!(errors.len() > 30, "{}", errors.len());
     let (mean, worst) = told("bulb in a shade, points", &errors);
     assert!(mean.abs() < 0.005, "{mean}");
-    // The rim cuts off whole facets in the reference.
-    assert!(worst < 0.03, "{worst}");
+    // The rim cuts off whole parts of facets in the reference.
+    assert!(worst < 0.025, "{worst}");
 }
 
 #[test]

@@ -37,9 +37,12 @@ const MORE_RAYS: u32 = 16 * RAYS;
 /// Points on patches where the patches' own error is looked at: so many in all, and for each free point at
 /// least so many.
 const SENDERS: usize = 1024;
-const FEWEST_SENDERS: usize = 4;
+const FEWEST_SENDERS: usize = 2;
 /// Rays along the cosine of each of the two gatherings there.
 const SENDER_RAYS: u32 = 512;
+/// Beyond so many points rays get fewer, so that the check takes no longer than the gathering.
+const MANY_POINTS: usize = 512;
+const FEWEST_RAYS: u32 = 128;
 /// Standard deviations that an error may have beyond its estimate.
 const WIDE: f64 = 2.0;
 /// The witness disagrees if it is off by more than this many of its own.
@@ -69,7 +72,10 @@ pub fn irradiance_at(
 ) -> Vec<PointIrradiance> {
     let Answer { mesh, light, exitance, reflectance, shown, .. } = answer;
     let witness = Witness::new(mesh, light, reflectance, exitance, shown);
-    let check = Check { answer, computer, witness, seed };
+    let share = MANY_POINTS as f64 / points.len().max(MANY_POINTS) as f64;
+    let fewer = |rays: u32| ((f64::from(rays) * share) as u32).max(FEWEST_RAYS);
+    let rays = [fewer(RAYS), fewer(SENDER_RAYS)];
+    let check = Check { answer, computer, witness, rays, seed };
     let senders = (SENDERS / points.len().max(1)).max(FEWEST_SENDERS);
     let found: Vec<Found> = points
         .par_iter()
@@ -92,6 +98,8 @@ struct Check<'a> {
     answer: Answer<'a>,
     computer: &'a RowComputer,
     witness: Witness<'a>,
+    /// Along the cosine, from a free point and from a point on a patch.
+    rays: [u32; 2],
     seed: u64,
 }
 
@@ -150,8 +158,9 @@ impl Check<'_> {
         let own = luminance_weighted(self.answer.light.irradiance[patch as usize].map(f64::from));
         let (point, shown) = self.witness.point_on(patch, unit(key + 1), unit(key + 2));
         let choice = self.witness.lamp_choice(patch);
-        let [a, b] = [key + 3, key + 4]
-            .map(|seed| self.witness.gather(patch, Receiver::Point(point), &choice, SENDER_RAYS, seed).shown);
+        let [a, b] = [key + 3, key + 4].map(|seed| {
+            self.witness.gather(patch, Receiver::Point(point), &choice, self.rays[1], seed).shown
+        });
         let is_covered = a == 0.0 && b == 0.0;
         (own > 0.0 && !is_covered).then(|| (0.5 * (a + b) - shown) / own)
     }
@@ -182,14 +191,14 @@ impl Check<'_> {
                 .map(|what| self.witness.gather_at(at, normal, &choice, rays, self.key(index, what)))
         };
         // 1. Radiosities that change within patches. With the same rays their noise is that of the change.
-        let pair = ask(RAYS, 1);
+        let pair = ask(self.rays[0], 1);
         let changes = pair.map(|g| g.shown - g.constant);
         let shape = 0.5 * (changes[0] + changes[1]);
         let shape_noise = 0.5 * (changes[0] - changes[1]).abs();
 
         // 2. Sampling, and what it does not know of itself.
         let disagreement = |[a, b]: [f64; 2]| {
-            let noise = (0.5 * (a - b).abs()).max(0.25 * (a + b) / f64::from(RAYS).sqrt());
+            let noise = (0.5 * (a - b).abs()).max(0.25 * (a + b) / f64::from(self.rays[0]).sqrt());
             ((0.5 * (a + b) - found.luminance).abs(), noise)
         };
         let (mut off, mut noise) = disagreement(pair.map(|g| g.constant));

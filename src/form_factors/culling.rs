@@ -138,7 +138,7 @@ impl Culling {
             let facing = blocker.normal.dot(to).abs();
             let covered = blocker.area * facing / (distance2 * distance2.sqrt()).max(f64::MIN_POSITIVE);
             let above = blocker.corners.iter().any(|c| normal.dot(*c - point) > contact);
-            if facing > contact && covered > 0.02 && above {
+            if facing > thickness && covered > 0.02 && above {
                 ranked.push((covered, index));
             }
         }

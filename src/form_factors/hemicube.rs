@@ -1,11 +1,11 @@
 //! The hemicube of 1985: patches projected onto five faces, an item buffer with depth, and a table
 //! of delta form factors.
 
-use super::occluders::Viewer;
+use super::occluders::{THICKNESS, Viewer};
 use super::rays::without_dark;
 use super::row::RowBuffer;
 use crate::geometry::Frame;
-use crate::mesh::{NO_PATCH, PatchMesh};
+use crate::mesh::{Backing, NO_PATCH, PatchMesh};
 use glam::DVec3;
 
 /// The top and four half faces.
@@ -137,7 +137,10 @@ impl Hemicube {
                 continue;
             }
             let side = usize::from(height < 0.0);
-            if side == 1 && piece.backed {
+            // What lies on its back is seen instead of it, and sees nothing of it.
+            let is_on_it =
+                height.abs() <= THICKNESS * mesh.size && region.frame.normal.dot(frame.normal) < -0.99;
+            if (piece.backed && side == 1) || (region.backing != Backing::None && is_on_it) {
                 continue;
             }
             let patch = if region.dark[side] { DARK } else { piece.patches[side] };

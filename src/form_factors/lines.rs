@@ -246,13 +246,11 @@ impl LineSampler {
         if is_edge_on || passed_over {
             return;
         }
-        // What lies on its back is seen instead of it, and sees past it.
-        let passes = match region.backing {
-            Backing::None => false,
-            Backing::Partial => to_plane <= scene.thickness(),
-            Backing::Whole => true,
-        };
-        if to_plane > 0.0 && passes {
+        // What lies on its back is seen instead of it, and sees nothing of it.
+        let is_on_it = to_plane.abs() <= scene.thickness() && region.normal.dot(frame.normal) < -0.99;
+        if (region.backing == Backing::Whole && to_plane > 0.0)
+            || (region.backing != Backing::None && is_on_it)
+        {
             return;
         }
         // 2. Corners in the receiver's frame, with their azimuth counted in half-planes.

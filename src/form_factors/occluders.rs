@@ -16,6 +16,9 @@ pub enum Viewer {
     Anywhere,
 }
 
+/// Surfaces that lie back to back are nearer to each other than this share of the scene's diagonal.
+pub(super) const THICKNESS: f64 = 2e-7;
+
 /// Everything that a receiving point can see, laid out for one pass per row.
 #[derive(Clone, Debug, Default)]
 pub struct Occluders {
@@ -218,6 +221,6 @@ impl Occluders {
 
     /// Surfaces that lie back to back are nearer to each other than this, metres.
     pub(super) fn thickness(&self) -> f64 {
-        4e-6 * self.size
+        THICKNESS * self.size
     }
 }

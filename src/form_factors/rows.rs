@@ -115,6 +115,9 @@ const POINT_LIKE: f64 = 0.1;
 /// A centre that misses more than this of its row may lie under something.
 const HIDDEN: f64 = 0.01;
 
+/// What is seen by less than this, of a row that sums to one, is seen through the rounding of a seam.
+const SEAM: f64 = 1e-12;
+
 /// Working memory of one thread.
 #[derive(Clone, Debug)]
 pub struct RowScratch {
@@ -363,7 +366,7 @@ impl RowComputer {
         normal: DVec3,
         share: f64,
         scratch: &mut RowScratch,
-        visit: impl FnMut(u32, f64),
+        mut visit: impl FnMut(u32, f64),
     ) {
         let point = self.lifted(point, normal);
         if self.visibility || self.is_convex && self.lies_outside(point) {
@@ -372,7 +375,11 @@ impl RowComputer {
         } else {
             self.gather_unoccluded(point, normal, scratch);
         }
-        scratch.row.drain(visit);
+        scratch.row.drain(|patch, factor| {
+            if factor > SEAM {
+                visit(patch, factor);
+            }
+        });
     }
 
     /// Where a free point is gathered: see [`Self::point`].

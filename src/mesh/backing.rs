@@ -9,8 +9,9 @@ use crate::geometry::{Aabb, Bvh, Hit, Ray, polygon};
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 
-/// Surfaces nearer to each other than this share of the scene's diagonal lie in one place.
-pub(super) const TOGETHER: f64 = 1e-6;
+/// Surfaces nearer to each other than this share of the scene's diagonal lie in one place: half of what rays
+/// start off a surface.
+const TOGETHER: f64 = 5e-8;
 /// Small surfaces must lie nearer to each other: within this share of their size.
 const TOGETHER_OF_SIZE: f64 = 1e-3;
 /// Cosine between the normals of surfaces that lie back to back.

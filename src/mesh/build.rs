@@ -7,7 +7,9 @@ use super::reach::{Buried, Reach, Search};
 use super::refinement::Refinement;
 use super::regions::{self, Outline};
 use super::types::{MeshStatistics, NO_PATCH, Patch, PatchMesh, Side};
+use crate::geometry::polygon;
 use crate::scene::{Extent, Scene};
+use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 use std::sync::Arc;
 
@@ -141,7 +143,7 @@ pub fn build(scene: &Scene, settings: &MeshSettings) -> Result<PatchMesh, MeshEr
             let mut contacts = edges.on(index, outline, grading.shortest(&grid));
             let cuts: Vec<Cut> = pieces::cut(outline, &grid, &mut contacts, &grading);
             pieces::append(&mut mesh, outline, &grid, &cuts);
-            let contacts: Vec<[glam::DVec2; 2]> = contacts.iter().map(|contact| contact.ends).collect();
+            let contacts: Vec<[DVec2; 2]> = contacts.iter().map(|contact| contact.ends).collect();
             let pieces = mesh.regions[index].pieces.clone();
             let groups = patches::group_by_cell(&mesh, pieces, &grid, &cuts, &contacts);
             mesh.contacts.push(contacts);
@@ -184,15 +186,18 @@ pub fn build(scene: &Scene, settings: &MeshSettings) -> Result<PatchMesh, MeshEr
     Ok(mesh)
 }
 
-/// Notes which pieces of the last region, made of the outline at `index`, have another surface on their back.
+/// Notes which pieces of the last region, made of the outline at `index`, have another surface on their back:
+/// on all of it, for a ray that passed beside that surface would find nothing.
 fn mark_backed(mesh: &mut PatchMesh, sheets: &Sheets<'_>, index: usize) {
+    /// Points are this share of the way from the corners to the middle of a piece.
+    const INSET: f64 = 0.02;
     let Some(region) = mesh.regions.last_mut() else { return };
     region.backing = sheets.backing[index];
     for p in region.pieces.clone() {
-        let piece = &mesh.pieces[p as usize];
-        let corners: Vec<glam::DVec2> = mesh.corners_of(piece).iter().map(|c| c.plane).collect();
-        let backed = sheets.covers_back(index, crate::geometry::polygon::centroid_2d(&corners));
-        mesh.pieces[p as usize].backed = backed;
+        let corners: Vec<DVec2> = mesh.corners_of(&mesh.pieces[p as usize]).iter().map(|c| c.plane).collect();
+        let middle = polygon::centroid_2d(&corners);
+        let mut points = std::iter::once(middle).chain(corners.iter().map(|c| c.lerp(middle, INSET)));
+        mesh.pieces[p as usize].backed = points.all(|at| sheets.covers_back(index, at));
     }
 }
 
@@ -210,12 +215,12 @@ fn coarsest(outline: &Outline, extent: &Extent, is_counted: bool) -> f64 {
 }
 
 /// Convex parts of surfaces large enough to hide much of the scene, by falling area.
-fn blockers(outlines: &[Outline], size: f64) -> Vec<Vec<glam::DVec3>> {
+fn blockers(outlines: &[Outline], size: f64) -> Vec<Vec<DVec3>> {
     const MOST: usize = 512;
-    let mut large: Vec<(f64, Vec<glam::DVec3>)> = outlines
+    let mut large: Vec<(f64, Vec<DVec3>)> = outlines
         .iter()
         .flat_map(|o| o.parts.iter().map(move |part| (o, part)))
-        .map(|(o, part)| (crate::geometry::polygon::area_2d(&part.corners), o, part))
+        .map(|(o, part)| (polygon::area_2d(&part.corners), o, part))
         .filter(|(area, ..)| *area > 5e-4 * size * size)
         .map(|(area, o, part)| (area, part.corners.iter().map(|&c| o.world(c)).collect()))
         .collect();

@@ -27,6 +27,7 @@ mod mend;
 mod mtl;
 mod names;
 mod obj;
+mod outlines;
 mod repair;
 mod sidecar;
 mod sidecar_write;

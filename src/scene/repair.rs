@@ -1,21 +1,19 @@
 //! Polygons of a file made fit for light: each planar, simple and of some area, and there once.
 //! Whatever is dropped or changed is counted and named by object.
 
+use super::doctor::WELD;
 use super::finding::{Finding, FindingKind, Severity};
 use super::obj::{Face, Obj};
+use super::outlines::{Indices, in_plane, is_simple, plane, widest_plane, without_repetitions};
 use super::sides::{self, Ring};
 use super::tally::Tally;
 use super::types::{Corner, Surface};
-use crate::geometry::{Frame, polygon};
+use crate::geometry::{Aabb, Frame, polygon};
 use glam::{DVec2, DVec3};
 use std::collections::HashMap;
 
 /// How far corners may lie apart along the normal, relative to the polygon's size.
 const FLATNESS: f64 = 1e-3;
-/// Below this ratio of area to squared size a polygon is a line.
-const THINNEST: f64 = 1e-9;
-/// Outlines with more corners are cut into triangles without a search for crossings.
-const LONGEST_SEARCH: usize = 512;
 /// Normals within this cosine (0.1 degrees) of the polygon's own add nothing.
 const SAME_NORMAL: f64 = 1.0 - 1.5e-6;
 
@@ -37,6 +35,9 @@ pub(super) fn repair(obj: &Obj, positions: &[DVec3], emits: &[bool]) -> Repaired
     shop.finish()
 }
 
+/// A position by its bits.
+type Place = [u64; 3];
+
 struct Workshop<'a> {
     positions: &'a [DVec3],
     obj: &'a Obj,
@@ -44,6 +45,10 @@ struct Workshop<'a> {
     normals: Vec<DVec3>,
     /// Number in `normals` of a normal of the file, and whether it was turned round.
     normal_numbers: HashMap<(u32, bool), u32>,
+    /// Corners nearer than this are one, metres.
+    tolerance: f64,
+    /// Triangles that outlines were split into, by their rings.
+    splits: HashMap<Vec<Place>, Vec<[Place; 3]>>,
     repeated: Tally,
     flat: Tally,
     bent: Tally,
@@ -58,12 +63,15 @@ struct Workshop<'a> {
 
 impl<'a> Workshop<'a> {
     fn new(positions: &'a [DVec3], obj: &'a Obj) -> Self {
+        let used = obj.faces.iter().flat_map(|f| &f.corners).map(|c| positions[c.0 as usize]);
         Self {
             positions,
             obj,
             surfaces: Vec::with_capacity(obj.faces.len()),
             normals: Vec::new(),
             normal_numbers: HashMap::new(),
+            tolerance: WELD * Aabb::around(used).diagonal(),
+            splits: HashMap::new(),
             repeated: Tally::default(),
             flat: Tally::default(),
             bent: Tally::default(),
@@ -77,7 +85,7 @@ impl<'a> Workshop<'a> {
         }
     }
 
-    fn at(&self, corner: &(u32, Option<u32>, Option<u32>)) -> DVec3 {
+    fn at(&self, corner: &Indices) -> DVec3 {
         self.positions[corner.0 as usize]
     }
 
@@ -97,7 +105,7 @@ impl<'a> Workshop<'a> {
         let heights = outline.iter().map(|&p| (p - outline[0]).dot(normal));
         let (low, high) = heights.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), z| (l.min(z), h.max(z)));
         let is_bent = high - low > FLATNESS * size;
-        let is_crossed = !is_bent && !is_simple(&corners, &flat);
+        let is_crossed = !is_bent && !is_simple(&corners, &flat, self.tolerance);
         if !is_bent && !is_crossed {
             self.push(face, &corners, normal);
             return;
@@ -113,7 +121,7 @@ impl<'a> Workshop<'a> {
     }
 
     /// Splits an outline whose signed areas cancel, along the plane that its corners span best.
-    fn admit_crossed(&mut self, face: &Face, corners: &[(u32, Option<u32>, Option<u32>)], outline: &[DVec3]) {
+    fn admit_crossed(&mut self, face: &Face, corners: &[Indices], outline: &[DVec3]) {
         let spanned = (corners.len() > 3).then(|| widest_plane(outline)).flatten();
         let Some(normal) = spanned else {
             self.flat.add(face.object, face.line, outline.iter().copied());
@@ -130,14 +138,13 @@ impl<'a> Workshop<'a> {
     fn push_triangles(
         &mut self,
         face: &Face,
-        corners: &[(u32, Option<u32>, Option<u32>)],
+        corners: &[Indices],
         outline: &[DVec3],
         flat: &[DVec2],
         normal: DVec3,
     ) -> f64 {
         let mut filled = 0.0;
-        for triangle in polygon::triangulate(flat, &[]) {
-            let [a, mut b, mut c] = triangle.map(|i| i as usize);
+        for [a, mut b, mut c] in self.split(outline, flat) {
             let area = polygon::area_vector(&[outline[a], outline[b], outline[c]]);
             if area.dot(normal) < 0.0 {
                 (b, c) = (c, b);
@@ -150,7 +157,25 @@ impl<'a> Workshop<'a> {
         filled
     }
 
-    fn push(&mut self, face: &Face, corners: &[(u32, Option<u32>, Option<u32>)], normal: DVec3) {
+    /// The triangles of an outline. One that is written once more for its other side is split as at first, so
+    /// that the two sides lie in one place.
+    fn split(&mut self, outline: &[DVec3], flat: &[DVec2]) -> Vec<[usize; 3]> {
+        let places: Vec<Place> = outline.iter().map(|p| p.to_array().map(f64::to_bits)).collect();
+        let numbers: HashMap<Place, usize> = places.iter().copied().zip(0..).collect();
+        let mut key = places.clone();
+        sides::ring(&mut key);
+        if let Some(known) = self.splits.get(&key) {
+            return known.iter().map(|t| t.map(|place| numbers[&place])).collect();
+        }
+        let triangles: Vec<[usize; 3]> =
+            polygon::triangulate(flat, &[]).into_iter().map(|t| t.map(|i| i as usize)).collect();
+        if numbers.len() == places.len() {
+            self.splits.insert(key, triangles.iter().map(|t| t.map(|i| places[i])).collect());
+        }
+        triangles
+    }
+
+    fn push(&mut self, face: &Face, corners: &[Indices], normal: DVec3) {
         let smooth = self.smooth_normals(face, corners, normal);
         let corners = corners.iter().zip(smooth).map(|(c, n)| Corner { position: c.0, normal: n, uv: c.2 });
         self.surfaces.push(Surface {
@@ -165,12 +190,7 @@ impl<'a> Workshop<'a> {
     }
 
     /// Indices of the unit normals of a smooth surface, on its front; `None` where it is flat.
-    fn smooth_normals(
-        &mut self,
-        face: &Face,
-        corners: &[(u32, Option<u32>, Option<u32>)],
-        normal: DVec3,
-    ) -> Vec<Option<u32>> {
+    fn smooth_normals(&mut self, face: &Face, corners: &[Indices], normal: DVec3) -> Vec<Option<u32>> {
         let given: Option<Vec<(u32, DVec3)>> = corners
             .iter()
             .map(|c| c.1.map(|i| (i, self.obj.normals[i as usize].normalize_or_zero())))
@@ -208,18 +228,24 @@ impl<'a> Workshop<'a> {
         let welded = sides::welded(self.positions, &self.surfaces);
         let mut first_on: HashMap<Ring, usize> = HashMap::with_capacity(self.surfaces.len());
         let mut keep = vec![true; self.surfaces.len()];
+        let positions = self.positions;
+        let coincide = |surfaces: &[Surface], first: usize, second: usize| {
+            sides::coincide(positions, &welded, &surfaces[first], &surfaces[second])
+        };
         for index in 0..self.surfaces.len() {
-            let surface = &self.surfaces[index];
-            let ring = Ring::of(surface, &welded);
-            if !first_on.contains_key(&ring) && first_on.contains_key(&ring.turned()) {
+            let ring = Ring::of(&self.surfaces[index], &welded);
+            let other = first_on.get(&ring.turned()).copied();
+            let first = *first_on.entry(ring).or_insert(index);
+            if let Some(other) = other.filter(|&o| first == index && coincide(&self.surfaces, o, index)) {
+                self.share_corners(other, index, &welded);
+                let surface = &self.surfaces[index];
                 let outline = outline_of(self.positions, surface);
                 self.both_sides.add(surface.object, surface.line.unwrap_or(0), outline);
             }
-            let slot = first_on.entry(ring).or_insert(index);
-            let first = *slot;
-            if first == index {
+            if first == index || !coincide(&self.surfaces, first, index) {
                 continue;
             }
+            let surface = &self.surfaces[index];
             let kept = &self.surfaces[first];
             let is_same = kept.material == surface.material;
             // Two materials on one side cannot both be seen: the lamp wins, else the first.
@@ -227,7 +253,7 @@ impl<'a> Workshop<'a> {
             let dropped = if lamp_is_later { first } else { index };
             keep[dropped] = false;
             if lamp_is_later {
-                *slot = index;
+                first_on.insert(Ring::of(surface, &welded), index);
             }
             let surface = &self.surfaces[dropped];
             let tally = if is_same { &mut self.twice } else { &mut self.contested };
@@ -235,6 +261,17 @@ impl<'a> Workshop<'a> {
         }
         let mut keep = keep.into_iter();
         self.surfaces.retain(|_| keep.next().unwrap_or(true));
+    }
+
+    /// Gives a surface the positions of another over the same corners, once these are `welded`.
+    fn share_corners(&mut self, first: usize, second: usize, welded: &[u32]) {
+        let shared: HashMap<u32, u32> =
+            self.surfaces[first].corners.iter().map(|c| (welded[c.position as usize], c.position)).collect();
+        for corner in &mut self.surfaces[second].corners {
+            if let Some(&position) = shared.get(&welded[corner.position as usize]) {
+                corner.position = position;
+            }
+        }
     }
 
     fn finish(mut self) -> Repaired {
@@ -313,88 +350,6 @@ impl<'a> Workshop<'a> {
 
 fn outline_of<'a>(positions: &'a [DVec3], surface: &'a Surface) -> impl Iterator<Item = DVec3> + use<'a> {
     surface.corners.iter().map(|c| positions[c.position as usize])
-}
-
-/// Without corners that stand twice in a row, and without spikes (there and back again).
-fn without_repetitions(corners: &[(u32, Option<u32>, Option<u32>)]) -> Vec<(u32, Option<u32>, Option<u32>)> {
-    let mut kept: Vec<(u32, Option<u32>, Option<u32>)> = Vec::with_capacity(corners.len());
-    for &corner in corners {
-        match kept[..] {
-            [.., last] if last.0 == corner.0 => {}
-            [.., before, _] if before.0 == corner.0 => _ = kept.pop(),
-            _ => kept.push(corner),
-        }
-    }
-    // The same across the seam between the last corner and the first.
-    loop {
-        match kept[..] {
-            [first, .., last] if first.0 == last.0 => _ = kept.pop(),
-            [first, .., before, _] if before.0 == first.0 && kept.len() > 2 => kept.truncate(kept.len() - 2),
-            [_, second, .., last] if last.0 == second.0 && kept.len() > 2 => {
-                kept.remove(0);
-                kept.pop();
-            }
-            _ => return kept,
-        }
-    }
-}
-
-/// Unit normal and size (largest extent of the bounding box); `None` where there is no area.
-fn plane(outline: &[DVec3]) -> Option<(DVec3, f64)> {
-    let size = extent(outline);
-    let area = polygon::area_vector(outline);
-    let normal = area.try_normalize()?;
-    (area.length() > THINNEST * size * size).then_some((normal, size))
-}
-
-fn extent(outline: &[DVec3]) -> f64 {
-    crate::geometry::Aabb::around(outline.iter().copied()).size().length()
-}
-
-/// Normal of the widest triangle between the first corner and two others.
-fn widest_plane(outline: &[DVec3]) -> Option<DVec3> {
-    let far = outline
-        .iter()
-        .map(|&p| p - outline[0])
-        .max_by(|a, b| a.length_squared().total_cmp(&b.length_squared()))?;
-    let across = outline
-        .iter()
-        .map(|&p| far.cross(p - outline[0]))
-        .max_by(|a, b| a.length_squared().total_cmp(&b.length_squared()))?;
-    (across.length() > THINNEST * far.length_squared()).then(|| across.try_normalize()).flatten()
-}
-
-fn in_plane(frame: &Frame, offset: DVec3) -> DVec2 {
-    DVec2::new(offset.dot(frame.tangent), offset.dot(frame.bitangent))
-}
-
-/// Whether an outline neither touches nor crosses itself.
-fn is_simple(corners: &[(u32, Option<u32>, Option<u32>)], flat: &[DVec2]) -> bool {
-    let n = flat.len();
-    if n == 3 || (n == 4 && polygon::is_convex(flat, 0.0)) {
-        return true;
-    }
-    if n > LONGEST_SEARCH {
-        return false;
-    }
-    let mut positions: Vec<u32> = corners.iter().map(|c| c.0).collect();
-    positions.sort_unstable();
-    if positions.windows(2).any(|w| w[0] == w[1]) {
-        return false;
-    }
-    let side = |a: DVec2, b: DVec2, p: DVec2| (b - a).perp_dot(p - a);
-    for i in 0..n {
-        let (a, b) = (flat[i], flat[(i + 1) % n]);
-        // Edges next to each other share a corner and cannot cross.
-        for j in i + 2..n {
-            let (c, d) = (flat[j], flat[(j + 1) % n]);
-            let adjacent = i == 0 && j == n - 1;
-            if !adjacent && side(a, b, c) * side(a, b, d) < 0.0 && side(c, d, a) * side(c, d, b) < 0.0 {
-                return false;
-            }
-        }
-    }
-    true
 }
 
 #[cfg(test)]

@@ -5,7 +5,7 @@
 
 use super::doctor::WELD;
 use super::doctor::topology::weld;
-use super::types::Surface;
+use super::types::{Corner, Surface};
 use crate::geometry::Aabb;
 use glam::DVec3;
 use std::collections::HashMap;
@@ -34,12 +34,7 @@ impl Ring {
             // Too small to be told from others by corners that are one.
             corners = raw().collect();
         }
-        let lowest = (0..corners.len()).min_by_key(|&k| corners[k]).unwrap_or(0);
-        corners.rotate_left(lowest);
-        let reversed = corners.len() > 2 && corners[1] > corners[corners.len() - 1];
-        if reversed {
-            corners[1..].reverse();
-        }
+        let reversed = ring(&mut corners);
         Self { corners, reversed }
     }
 
@@ -47,6 +42,31 @@ impl Ring {
     pub(super) fn turned(&self) -> Self {
         Self { corners: self.corners.clone(), reversed: !self.reversed }
     }
+}
+
+/// Makes an outline start from its lowest corner and run one of its two ways; returns whether it ran the other.
+pub(super) fn ring<T: Copy + Ord>(corners: &mut [T]) -> bool {
+    let lowest = (0..corners.len()).min_by_key(|&k| corners[k]).unwrap_or(0);
+    corners.rotate_left(lowest);
+    let reversed = corners.len() > 2 && corners[1] > corners[corners.len() - 1];
+    if reversed {
+        corners[1..].reverse();
+    }
+    reversed
+}
+
+/// Of two surfaces with equal rings, or with one that is the other turned, whether they lie in one place as
+/// measured by their own size: in a model with a stray corner far away the tolerance may be a room's height.
+pub(super) fn coincide(positions: &[DVec3], welded: &[u32], first: &Surface, second: &Surface) -> bool {
+    const SHARE: f64 = 1e-3;
+    let at = |c: &Corner| positions[c.position as usize];
+    let size = Aabb::around(first.corners.iter().map(at)).diagonal();
+    let places: HashMap<u32, DVec3> =
+        first.corners.iter().map(|c| (welded[c.position as usize], at(c))).collect();
+    let is_near = |c: &Corner| {
+        places.get(&welded[c.position as usize]).is_some_and(|p| p.distance(at(c)) <= SHARE * size)
+    };
+    second.corners.iter().all(is_near)
 }
 
 /// For each surface the one that is written for its other side, if there is one.
@@ -59,7 +79,9 @@ pub(super) fn partners(positions: &[DVec3], surfaces: &[Surface]) -> Vec<Option<
     }
     let partner = |(number, ring): (u32, &Ring)| {
         let is_first = numbers[ring] == number;
-        numbers.get(&ring.turned()).copied().filter(|_| is_first)
+        let other = numbers.get(&ring.turned()).copied().filter(|_| is_first)?;
+        let [own, others] = [number, other].map(|n| &surfaces[n as usize]);
+        coincide(positions, &welded, own, others).then_some(other)
     };
     (0..).zip(&rings).map(partner).collect()
 }
@@ -74,6 +96,16 @@ mod tests {
             v 0 0 0.1\n";
         let scene = from_text("t", &format!("{corners}{faces}"), "", None).unwrap();
         partners(&scene.positions, &scene.surfaces)
+    }
+
+    #[test]
+    fn a_stray_corner_far_away_makes_no_partners_of_floor_and_ceiling() {
+        let far = "v 5000000 0 0\nv 5000000 1 0\nv 5000000 0 1\nf 1 2 3\n";
+        let room = "v 0 0 0\nv 20 0 0\nv 20 0 20\nv 0 0 20\nv 0 3 0\nv 20 3 0\nv 20 3 20\nv 0 3 20\n\
+            f 7 6 5 4\nf 8 9 10 11\n";
+        let scene = from_text("t", &format!("{far}{room}"), "", None).unwrap();
+        assert_eq!(partners(&scene.positions, &scene.surfaces), [None; 3]);
+        assert_eq!(scene.bounds().size().y, 3.0);
     }
 
     #[test]

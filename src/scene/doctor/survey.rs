@@ -84,12 +84,15 @@ impl<'a> Survey<'a> {
         &self.triangles[self.ranges[face as usize].clone()]
     }
 
-    /// Whether a point lies on a face other than `face`, to within `tolerance`.
+    /// Whether a point lies on a face other than `face`, and than that which is written for its other side, to
+    /// within `tolerance`.
     pub(super) fn lies_on_another(&self, point: DVec3, face: u32, tolerance: f64) -> bool {
         let mut on_one = false;
         self.bvh.touching(&crate::geometry::Aabb::around([point]).grown(tolerance), |triangle| {
             let near = || distance_to(point, &self.triangles[triangle as usize]) <= tolerance;
-            on_one = on_one || (self.owners[triangle as usize] != face && near());
+            let owner = self.owners[triangle as usize];
+            let is_other = owner != face && self.partners[face as usize] != Some(owner);
+            on_one = on_one || (is_other && near());
         });
         on_one
     }
