@@ -9,6 +9,7 @@ use lumenwalk::session::{
     Control, PipelineError, Prepared, SolveSettings, Stage, patch_reflectance, prepare, solve, system,
 };
 use lumenwalk::solver::{GaussSeidel, LightBases};
+use lumenwalk::watch::Watch;
 use rayon::prelude::*;
 use std::hint::black_box;
 use std::sync::Arc;
@@ -80,10 +81,10 @@ fn stages(criterion: &mut Criterion) {
     group.bench_function("all rows", |b| b.iter(|| all_rows(&made)));
     let mut rows = all_rows(&made);
     group.bench_function("assemble", |b| {
-        b.iter(|| FormFactors::assemble(&made.computer, &mut rows.clone(), &|| false));
+        b.iter(|| Watch::nobody(|watch| FormFactors::assemble(&made.computer, &mut rows.clone(), watch)));
     });
-    let (form_factors, _) =
-        FormFactors::assemble(&made.computer, &mut rows, &|| false).expect("not cancelled");
+    let (form_factors, _) = Watch::nobody(|watch| FormFactors::assemble(&made.computer, &mut rows, watch))
+        .expect("not cancelled");
     let system = system(&made, &patch_reflectance(&made.mesh, &|_| None));
     let start = GaussSeidel::new(&made.mesh, &form_factors, &system, None);
     group.bench_function("one sweep with its correction", |b| {
@@ -149,7 +150,8 @@ fn effects(criterion: &mut Criterion) {
         let made = prepare(scene.clone(), &settings).expect("a mesh");
         group.bench_function(BenchmarkId::new("all rows (visibility)", name), |b| b.iter(|| all_rows(&made)));
         let (form_factors, _) =
-            FormFactors::assemble(&made.computer, &mut all_rows(&made), &|| false).expect("not cancelled");
+            Watch::nobody(|watch| FormFactors::assemble(&made.computer, &mut all_rows(&made), watch))
+                .expect("not cancelled");
         let system = system(&made, &patch_reflectance(&made.mesh, &|_| None));
         let start = GaussSeidel::new(&made.mesh, &form_factors, &system, None);
         group.bench_function(BenchmarkId::new("one sweep (bands)", name), |b| {

@@ -4,6 +4,7 @@
 //! (Cohen & Greenberg 1985, *The Hemi-Cube*). Data walks one way through the modules, in the
 //! order in which they stand here; a test reads the sources and keeps it so.
 
+pub mod watch;
 pub mod geometry;
 pub mod scene;
 pub mod mesh;

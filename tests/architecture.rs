@@ -5,20 +5,21 @@ use std::path::{Path, PathBuf};
 
 /// Every room in the order of the walk, with the rooms that it may use.
 const ROOMS: &[(&str, &str)] = &[
-    ("geometry", ""),
-    ("scene", "geometry"),
-    ("mesh", "scene geometry"),
+    ("watch", ""),
+    ("geometry", "watch"),
+    ("scene", "geometry watch"),
+    ("mesh", "scene geometry watch"),
     ("effects", "mesh scene geometry"),
-    ("form_factors", "effects mesh scene geometry"),
-    ("solver", "form_factors effects mesh scene geometry"),
+    ("form_factors", "effects mesh scene geometry watch"),
+    ("solver", "form_factors effects mesh scene geometry watch"),
     ("accuracy", "solver form_factors effects mesh scene geometry"),
-    ("session", "accuracy solver form_factors effects mesh scene geometry"),
+    ("session", "accuracy solver form_factors effects mesh scene geometry watch"),
     ("validate", "session solver form_factors effects mesh scene geometry"),
     ("display", "mesh scene geometry"),
     ("render", "display mesh scene geometry"),
     ("export", ""),
     ("outputs", "export render display solver form_factors effects mesh scene geometry"),
-    ("study", "export display session accuracy solver form_factors effects mesh scene geometry"),
+    ("study", "export display session accuracy solver form_factors effects mesh scene geometry watch"),
     (
         "ui",
         "study outputs export render display session accuracy solver form_factors effects mesh scene geometry",

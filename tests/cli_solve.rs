@@ -368,3 +368,26 @@ fn points_are_told_with_their_estimated_error() {
     let largest = relative.iter().copied().fold(0.0, f64::max);
     assert!((json(&report, &["points", "largest_error_percent"]) / 100.0 - largest).abs() < 1e-6);
 }
+
+#[test]
+fn a_number_of_patches_that_cannot_be_kept_is_explained() {
+    let place = Workplace::with_room(0.5);
+    let told = place.succeed(&["plan", "builtin:gallery", "--patches", "100"]);
+    assert!(told.contains("100 patches were asked for;"), "{told}");
+    assert!(told.contains("sides of small faces need one each"), "{told}");
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn a_limit_of_the_address_space_is_a_refusal_and_no_crash() {
+    let place = Workplace::with_room(0.5);
+    for kilobytes in [700_000, 1_000_000] {
+        let limited = format!("ulimit -v {kilobytes}; exec \"$0\" solve builtin:house --threads 2");
+        let program = place.command(&[]).get_program().to_owned();
+        let mut shell = std::process::Command::new("sh");
+        let output = shell.arg("-c").arg(limited).arg(program).current_dir(place.path(".")).output().unwrap();
+        let said = String::from_utf8_lossy(&output.stderr);
+        assert_eq!(output.status.code(), Some(1), "{said}");
+        assert!(said.contains("patches need about") && said.contains("patches would fit"), "{said}");
+    }
+}

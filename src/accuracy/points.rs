@@ -45,6 +45,9 @@ const MANY_POINTS: usize = 512;
 const FEWEST_RAYS: u32 = 128;
 /// Standard deviations that an error may have beyond its estimate.
 const WIDE: f64 = 2.0;
+/// Points are lifted off their surfaces and radiosities are single precision: no error is told below this
+/// share of the light.
+const FLOOR: f64 = 2e-4;
 /// The witness disagrees if it is off by more than this many of its own.
 const DISAGREES: f64 = 3.0;
 
@@ -216,6 +219,7 @@ impl Check<'_> {
             WIDE * shape_noise,
             WIDE * found.reflected * patches.bias_noise,
             WIDE * found.reflected * patches.spread,
+            FLOOR * found.luminance,
         ];
         known.abs() + unseen + widths.iter().map(|w| w * w).sum::<f64>().sqrt()
     }

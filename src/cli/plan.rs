@@ -25,8 +25,9 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
     let patches = arguments.patches.target(scene.unit);
     let settings = SolveSettings { patches, effects, ..SolveSettings::default() };
     let prepared = session::prepare(scene, &settings)?;
+    let excess = prepared.mesh.statistics.excess().map_or(String::new(), |excess| excess + "\n");
     let counts = format!(
-        "{}: {}, {}\n\n",
+        "{}: {}, {}\n{excess}\n",
         prepared.scene.name,
         text::count(prepared.scene.surfaces.len(), "surface"),
         text::patches(prepared.mesh.patches.len()),

@@ -294,6 +294,9 @@ pub(super) fn summary(solved: &Solved, settings: &SolveSettings, seconds: f64) -
         settings.method.name(),
         settings.resolution.unwrap_or_else(|| settings.method.default_resolution()),
     );
+    if let Some(excess) = solved.mesh.statistics.excess() {
+        told += &format!("{excess}\n");
+    }
     match solved.sweeps.last() {
         Some(last) => {
             told += &format!(

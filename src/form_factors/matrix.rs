@@ -3,6 +3,7 @@
 use super::quality::PairGaps;
 use super::{Row, RowComputer, RowQuality, near};
 use crate::geometry::Frame;
+use crate::watch::{Cancelled, Watch};
 use rayon::prelude::*;
 
 /// Form factors of a mesh as exchange areas S_ij = A_i F_ij, row by row.
@@ -46,6 +47,11 @@ const GAP: f64 = 5e-4;
 /// Scaling stops at this deviation of row sums, or after that many passes.
 const BALANCED: f64 = 1e-7;
 const MOST_PASSES: usize = 40;
+const USUAL_PASSES: f64 = 10.0;
+/// Shares of the time by which close pairs, rows joined from both sides and the sums of rows are done, about.
+const PAIRED: f64 = 0.5;
+const JOINED: f64 = 0.7;
+const TARGETED: f64 = 0.8;
 /// Steps of the logarithms of scales, and what is kept of the step before (the heavy ball of Polyak 1964).
 /// The matrix of their linear equations, 1 + F, has eigenvalues between 0, where two patches see but each
 /// other, and 2. These are the best for 0.4 to 2, where those of rooms lie: half the passes of plain steps.
@@ -67,55 +73,34 @@ impl FormFactors {
     /// 3. A symmetric scaling (Sinkhorn & Knopp 1967) gives every row its sum: one where the point
     ///    saw no opening, else what was sampled and then mended for close pairs.
     ///
-    /// Polls `cancelled` often; `None` if it says so. The rows are emptied once they are not needed any more,
-    /// to make room for the matrix; before, they are left as they were.
+    /// The rows are emptied once they are not needed any more, to make room for the matrix; before, they are
+    /// left as they were.
+    ///
+    /// # Errors
+    /// The watch ended it.
     pub fn assemble(
         computer: &RowComputer,
         rows: &mut Vec<Row>,
-        cancelled: &(dyn Fn() -> bool + Sync),
-    ) -> Option<(Self, AssembleReport)> {
+        watch: &mut Watch<'_>,
+    ) -> Result<(Self, AssembleReport), Cancelled> {
         let mesh = computer.mesh();
         let n = mesh.patches.len();
         assert_eq!(rows.len(), n, "one row a patch");
-        let close: Vec<Vec<(u32, f64)>> = (0..n as u32)
-            .into_par_iter()
-            .map(|i| if cancelled() { Vec::new() } else { near::of_row(computer, rows, i) })
-            .collect();
-        if cancelled() {
-            return None;
-        }
+        let pairs_of = |i: usize, _: &Row| near::of_row(computer, rows, i as u32);
+        let close = watch.part(0.0, PAIRED).map(rows, pairs_of)?;
         let close_pairs = close.iter().map(Vec::len).sum();
 
         let starts: Vec<usize> = (0..n).step_by(BLOCK).collect();
-        // Where each row enters each block: a row is searched as a whole, while it is at hand.
-        let entries: Vec<Vec<u32>> = rows
-            .par_iter()
-            .map(|row| {
-                let first = |start: &usize| row.patches.partition_point(|&p| (p as usize) < *start) as u32;
-                starts.iter().map(first).collect()
-            })
-            .collect();
-        let blocks: Vec<Block> = starts
-            .par_iter()
-            .enumerate()
-            .map(|(block, &start)| {
-                let end = if cancelled() { start } else { (start + BLOCK).min(n) };
-                let entry = |row: usize| entries[row][block] as usize;
-                Block::assemble(computer, rows, &entry, &close, start..end)
-            })
-            .collect();
+        let entries = Entries::new(rows, &close, &starts);
+        let blocks = watch.part(PAIRED, JOINED).map(&starts, |block, &start| {
+            Block::assemble(computer, rows, &close, (&entries, block), start..(start + BLOCK).min(n))
+        })?;
         drop(entries);
-        if cancelled() {
-            return None;
-        }
         let sums: Vec<f64> = rows.par_iter().map(Row::sum).collect();
         let sealed = computer.rays().is_sealed();
-        let targets: Vec<f64> = (0..n)
-            .into_par_iter()
-            .map(|i| {
-                mesh.patches[i].area * HEADROOM * row_target(computer, rows, &close, (i, sums[i]), sealed)
-            })
-            .collect();
+        let targets: Vec<f64> = watch.part(JOINED, TARGETED).map(&sums, |i, &sum| {
+            mesh.patches[i].area * HEADROOM * row_target(computer, rows, &close, (i, sum), sealed)
+        })?;
         let several_points = rows.iter().filter(|row| row.points.count() > 1).count();
         drop(std::mem::take(rows));
         let entries = blocks.iter().map(|b| b.columns.len()).sum();
@@ -141,7 +126,7 @@ impl FormFactors {
         }
         let near_one = |s: &&f64| (**s - 1.0).abs() < 0.01;
         let worst_closure = sums.iter().filter(near_one).map(|s| (s - 1.0).abs()).fold(0.0, f64::max);
-        let (passes, imbalance) = matrix.balance(&targets, cancelled);
+        let (passes, imbalance) = matrix.balance(&targets, &mut watch.part(TARGETED, 1.0))?;
         let report = AssembleReport {
             worst_closure,
             mean_reciprocity: if mean > 0.0 { gap / mean } else { 0.0 },
@@ -150,22 +135,27 @@ impl FormFactors {
             passes,
             imbalance,
         };
-        (!cancelled()).then_some((matrix, report))
+        Ok((matrix, report))
     }
 
     /// Scales rows and columns alike until row i of S sums to `targets[i]`.
-    fn balance(&mut self, targets: &[f64], cancelled: &dyn Fn() -> bool) -> (usize, f64) {
+    fn balance(&mut self, targets: &[f64], watch: &mut Watch<'_>) -> Result<(usize, f64), Cancelled> {
         let n = self.areas.len();
         let buried = |i: usize| targets[i] <= BURIED * self.areas[i];
         let mut scale: Vec<f64> = (0..n).map(|i| if buried(i) { 0.0 } else { 1.0 }).collect();
         let mut steps = vec![0.0; n];
         let mut passes = 0;
         let mut imbalance;
+        let summed = |scale: &[f64], share: f64, watch: &mut Watch<'_>| {
+            watch.part(share, share).map(scale, |i, s| s * self.dot(i, scale))
+        };
         loop {
-            let sums: Vec<f64> = (0..n).into_par_iter().map(|i| scale[i] * self.dot(i, &scale)).collect();
+            // Imbalances fall by about the same factor every pass; most scenes need a quarter of the passes.
+            let share = passes as f64 / (passes as f64 + USUAL_PASSES);
+            let sums = summed(&scale, share, watch)?;
             let ratio = |i: usize| if sums[i] > 0.0 { targets[i] / sums[i] } else { 1.0 };
             imbalance = (0..n).map(|i| (sums[i] - targets[i]).abs() / self.areas[i]).fold(0.0, f64::max);
-            if imbalance < BALANCED || passes == MOST_PASSES || cancelled() {
+            if imbalance < BALANCED || passes == MOST_PASSES {
                 break;
             }
             for (i, (s, step)) in scale.iter_mut().zip(&mut steps).enumerate() {
@@ -175,7 +165,7 @@ impl FormFactors {
             passes += 1;
         }
         // No row may send out more than it has: what still exceeds its target is cut on both sides.
-        let sums: Vec<f64> = (0..n).into_par_iter().map(|i| scale[i] * self.dot(i, &scale)).collect();
+        let sums = summed(&scale, 1.0, watch)?;
         let cut: Vec<f64> =
             (0..n).map(|i| if sums[i] > targets[i] { targets[i] / sums[i] } else { 1.0 }).collect();
         let offsets = &self.offsets;
@@ -206,7 +196,7 @@ impl FormFactors {
             let target = targets[i] / HEADROOM;
             self.diagonal[i] = if sums[i] > 0.0 { (target - scaled[i]).max(0.0) } else { 0.0 };
         }
-        (passes, imbalance)
+        Ok((passes, imbalance))
     }
 
     /// Row i of S times a vector.
@@ -317,7 +307,40 @@ fn row_target(
     (sum + (exact - sampled) * sky / others).clamp(0.0, 1.0)
 }
 
+/// Where each row and its close pairs enter each block of rows, and where the last one ends: what a block
+/// reads is looked up, so that all blocks together read every pair once.
+struct Entries {
+    rows: Vec<Vec<u32>>,
+    close: Vec<Vec<u32>>,
+}
+
+impl Entries {
+    fn new(rows: &[Row], close: &[Vec<(u32, f64)>], starts: &[usize]) -> Self {
+        // A row is searched as a whole, while it is at hand.
+        let of_row = |row: &Row| {
+            let first = |&start: &usize| row.patches.partition_point(|&p| (p as usize) < start) as u32;
+            starts.iter().map(first).chain([row.patches.len() as u32]).collect()
+        };
+        let of_pairs = |pairs: &Vec<(u32, f64)>| {
+            let first = |&start: &usize| pairs.partition_point(|pair| (pair.0 as usize) < start) as u32;
+            starts.iter().map(first).chain([pairs.len() as u32]).collect()
+        };
+        Self { rows: rows.par_iter().map(of_row).collect(), close: close.par_iter().map(of_pairs).collect() }
+    }
+
+    /// The part of row `j` in a block.
+    fn of_row(&self, j: usize, block: usize) -> std::ops::Range<usize> {
+        self.rows[j][block] as usize..self.rows[j][block + 1] as usize
+    }
+
+    /// The part of the close pairs of row `j` in a block.
+    fn of_close(&self, j: usize, block: usize) -> std::ops::Range<usize> {
+        self.close[j][block] as usize..self.close[j][block + 1] as usize
+    }
+}
+
 /// A run of assembled rows.
+#[derive(Debug, PartialEq)]
 struct Block {
     ends: Vec<usize>,
     columns: Vec<u32>,
@@ -328,11 +351,12 @@ struct Block {
 }
 
 impl Block {
+    /// The rows in `range`, which are those of one block of `entries`.
     fn assemble(
         computer: &RowComputer,
         rows: &[Row],
-        entry: &dyn Fn(usize) -> usize,
         close: &[Vec<(u32, f64)>],
+        (entries, block): (&Entries, usize),
         range: std::ops::Range<usize>,
     ) -> Self {
         let mesh = computer.mesh();
@@ -340,17 +364,12 @@ impl Block {
         let mut columns: Vec<Vec<(u32, f32)>> = vec![Vec::new(); range.len()];
         let mut mirrored: Vec<Vec<(u32, f64)>> = vec![Vec::new(); range.len()];
         for (j, row) in rows.iter().enumerate() {
-            let first = entry(j);
-            for (&i, &value) in row.patches[first..].iter().zip(&row.values[first..]) {
-                if i as usize >= range.end {
-                    break;
-                }
+            let part = entries.of_row(j, block);
+            for (&i, &value) in row.patches[part.clone()].iter().zip(&row.values[part]) {
                 columns[i as usize - range.start].push((j as u32, value));
             }
-            for &(i, value) in &close[j] {
-                if range.contains(&(i as usize)) {
-                    mirrored[i as usize - range.start].push((j as u32, value));
-                }
+            for &(i, value) in &close[j][entries.of_close(j, block)] {
+                mirrored[i as usize - range.start].push((j as u32, value));
             }
         }
         let mut block = Self {
@@ -414,4 +433,100 @@ fn pair_value(computer: &RowComputer, i: u32, j: u32, out: f64, back: f64) -> f6
     let patches = &computer.mesh().patches;
     let [of_a, of_b] = near::trust(computer, &patches[a as usize], &patches[b as usize]);
     of_a * x + of_b * y
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::form_factors::{Method, ReceivingPoints, Sampling};
+    use crate::mesh::{MeshSettings, PatchTarget, build};
+    use crate::scene::{SceneSource, load};
+    use std::sync::Arc;
+    use std::sync::atomic::{AtomicUsize, Ordering};
+
+    fn sampled() -> (RowComputer, Vec<Row>) {
+        let scene = load(&SceneSource::Builtin("cornell".to_owned())).expect("embedded");
+        let settings = MeshSettings { target: PatchTarget::Count(700), ..MeshSettings::default() };
+        let mesh = Arc::new(build(&scene, &settings).expect("a mesh"));
+        let sampling = Sampling { method: Method::Lines, resolution: Some(24), points: ReceivingPoints::One };
+        let computer = RowComputer::new(mesh, sampling, true);
+        let mut scratch = computer.scratch();
+        let rows = (0..computer.mesh().patches.len() as u32).map(|i| computer.row(i, &mut scratch)).collect();
+        (computer, rows)
+    }
+
+    #[test]
+    fn blocks_of_any_size_hold_the_same_rows_and_read_each_pair_once() {
+        let (computer, rows) = sampled();
+        let n = rows.len();
+        let close: Vec<_> = (0..n as u32).map(|i| near::of_row(&computer, &rows, i)).collect();
+        assert!(close.iter().map(Vec::len).sum::<usize>() > n, "there are close pairs");
+        let assembled = |size: usize| -> Vec<Block> {
+            let starts: Vec<usize> = (0..n).step_by(size).collect();
+            let entries = Entries::new(&rows, &close, &starts);
+            let read = |j: usize| {
+                let parts =
+                    (0..starts.len()).map(|b| entries.of_row(j, b).len() + entries.of_close(j, b).len());
+                parts.sum::<usize>()
+            };
+            for j in 0..n {
+                assert_eq!(read(j), rows[j].patches.len() + close[j].len(), "row {j} in blocks of {size}");
+            }
+            let block = |(b, &start): (usize, &usize)| {
+                Block::assemble(&computer, &rows, &close, (&entries, b), start..(start + size).min(n))
+            };
+            starts.iter().enumerate().map(block).collect()
+        };
+        let whole = &assembled(n)[0];
+        for size in [1, 7, 256] {
+            let blocks = assembled(size);
+            let columns: Vec<u32> = blocks.iter().flat_map(|b| b.columns.clone()).collect();
+            let exchange: Vec<f32> = blocks.iter().flat_map(|b| b.exchange.clone()).collect();
+            assert_eq!((&columns, &exchange), (&whole.columns, &whole.exchange), "blocks of {size}");
+        }
+        // And these are what each pair comes to by itself.
+        let (mut at, mut start) = (0, 0);
+        for (i, &end) in whole.ends.iter().enumerate() {
+            let area = |k: usize| computer.mesh().patches[k].area;
+            for j in 0..n {
+                let (low, high) = (i.min(j), i.max(j));
+                let sampled = [area(i) * rows[i].get(j as u32), area(j) * rows[j].get(i as u32)];
+                let seen = sampled.iter().any(|&s| s > 0.0);
+                let exact = close[low].iter().find(|pair| pair.0 as usize == high).map(|pair| pair.1);
+                let [out, back] = sampled;
+                let value =
+                    exact.unwrap_or_else(|| pair_value(&computer, i as u32, j as u32, out, back)) as f32;
+                if seen && i != j && value > 0.0 {
+                    assert_eq!((whole.columns[at], whole.exchange[at]), (j as u32, value), "{i} to {j}");
+                    at += 1;
+                }
+            }
+            assert!(at == end && end >= start, "row {i}");
+            start = end;
+        }
+    }
+
+    #[test]
+    fn a_request_to_end_leaves_the_rows_whole() {
+        let (computer, rows) = sampled();
+        let looks = AtomicUsize::new(0);
+        let count = || {
+            looks.fetch_add(1, Ordering::Relaxed);
+            false
+        };
+        let mut told = Vec::new();
+        let mut report = |share| told.push(share);
+        let done = FormFactors::assemble(&computer, &mut rows.clone(), &mut Watch::new(&count, &mut report));
+        assert!(done.is_ok() && told.is_sorted() && told.last() == Some(&1.0), "{told:?}");
+        let all = looks.into_inner();
+        for end in [0, all / 10, rows.len() + 3, all / 2, all - 1] {
+            let looks = AtomicUsize::new(0);
+            let cancelled = || looks.fetch_add(1, Ordering::Relaxed) >= end;
+            let mut left = rows.clone();
+            let ended = FormFactors::assemble(&computer, &mut left, &mut Watch::new(&cancelled, &mut |_| {}));
+            assert!(ended.is_err() && (left.is_empty() || left == rows), "after {end} of {all} looks");
+            let further = looks.into_inner() - end;
+            assert!(further <= rayon::current_num_threads() + 2, "{further} looks after the request");
+        }
+    }
 }

@@ -8,6 +8,7 @@ use super::regions::Outline;
 use crate::geometry::{Aabb, Bvh, Hit, Ray, polygon};
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
+use std::sync::Arc;
 
 /// Surfaces nearer to each other than this share of the scene's diagonal lie in one place: half of what rays
 /// start off a surface.
@@ -33,8 +34,8 @@ pub enum Backing {
 }
 
 /// The outlines of a scene as triangles, and which of them lie back to back.
-pub(super) struct Sheets<'a> {
-    outlines: &'a [Outline],
+pub(super) struct Sheets {
+    outlines: Arc<[Outline]>,
     pub(super) bvh: Bvh,
     /// The outline that each triangle is a part of.
     pub(super) owners: Vec<u32>,
@@ -46,9 +47,9 @@ pub(super) struct Sheets<'a> {
     tolerance: f64,
 }
 
-impl<'a> Sheets<'a> {
+impl Sheets {
     /// Looks for surfaces that lie back to back in a scene whose box has the diagonal `size`.
-    pub(super) fn new(outlines: &'a [Outline], size: f64) -> Self {
+    pub(super) fn new(outlines: Arc<[Outline]>, size: f64) -> Self {
         let (mut triangles, mut owners, mut parts) = (Vec::new(), Vec::new(), Vec::new());
         for (owner, outline) in outlines.iter().enumerate() {
             for (number, part) in outline.parts.iter().enumerate() {
@@ -69,7 +70,7 @@ impl<'a> Sheets<'a> {
             tolerance: TOGETHER * size,
         };
         let found: Vec<(Backing, Vec<u32>)> =
-            (0..outlines.len()).into_par_iter().map(|index| sheets.behind(index, &parts)).collect();
+            (0..sheets.outlines.len()).into_par_iter().map(|index| sheets.behind(index, &parts)).collect();
         (sheets.backing, sheets.backers) = found.into_iter().unzip();
         sheets
     }

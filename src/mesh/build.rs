@@ -1,27 +1,30 @@
 use super::backing::{Backing, Sheets};
 use super::contacts::Edges;
-use super::grading::{Grading, Lamps};
+use super::grading::Lamps;
 use super::patches;
 use super::pieces::{self, Cut, Grid};
-use super::reach::{Buried, Reach, Search};
+use super::reach::{Buried, LightSearch, Reach, Search};
 use super::refinement::Refinement;
-use super::regions::{self, Outline};
+use super::regions::Outline;
+use super::sizing::{self, Finer};
+use super::survey::Survey;
 use super::types::{MeshStatistics, NO_PATCH, Patch, PatchMesh, Side};
 use crate::geometry::polygon;
-use crate::scene::{Extent, Scene};
+use crate::scene::{Scene, grouped};
+use crate::watch::{Cancelled, Watch};
 use glam::{DVec2, DVec3};
-use rayon::prelude::*;
 use std::sync::Arc;
 
 /// How finely surfaces are split.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum PatchTarget {
-    /// What the scene's sidecar asks for; else a size that gives about 3,000 patches or more.
+    /// What the scene's sidecar asks for; else as [`Self::Count`] with 3,000 patches.
     #[default]
     Auto,
     /// Longest edge of a patch, metres; above zero.
     Size(f64),
-    /// About this many patches in all; at least one a side.
+    /// About this many patches on the surfaces that are larger than a patch. Smaller ones need one patch per
+    /// side, and these come on top: the walls of a room are cut as finely whatever stands in it.
     Count(usize),
     /// Every input polygon is one patch.
     AsGiven,
@@ -68,71 +71,96 @@ pub enum MeshError {
     #[error("the patch size must be above zero, not {0}: give it in the units of the scene")]
     Size(f64),
     /// More patches than the indices and the memory of a desktop machine can hold.
-    #[error(
-        "a patch size of {size} m gives about {patches} patches, more than {limit}: choose a larger size"
-    )]
+    #[error("{}", too_many(*size, *patches, *whole, *limit))]
     TooMany {
         /// The edge asked for, metres.
         size: f64,
         /// The estimate.
         patches: usize,
+        /// Of these, sides of faces smaller than a patch, which need one each.
+        whole: usize,
         /// The most that is meshed.
         limit: usize,
     },
+    /// The watch ended it.
+    #[error("the mesh was cancelled")]
+    Cancelled,
 }
 
-/// Of a number of patches so much may go where a refinement asks for smaller ones.
-const MOST_ASKED: f64 = 0.7;
-/// A refinement is not loosened further than to edges so many times as long.
-const MOST_SLACK: f64 = 64.0;
+/// What helps depends on where the patches come from.
+fn too_many(size: f64, patches: usize, whole: usize, limit: usize) -> String {
+    let [patches, whole_told, limit_told] = [patches, whole, limit].map(|n| grouped(n as i64));
+    if whole > limit / 2 {
+        format!(
+            "{whole_told} sides of small faces need one patch each, and at most {limit_told} patches can be solved: \
+             simplify or remove what has so many faces (leaves, mouldings, screws)"
+        )
+    } else {
+        format!(
+            "a patch size of {size} m gives about {patches} patches, more than {limit_told}: choose a larger size \
+             or fewer patches"
+        )
+    }
+}
+
+impl From<Cancelled> for MeshError {
+    fn from(Cancelled: Cancelled) -> Self {
+        Self::Cancelled
+    }
+}
+
+/// Shares of the time by which a scene is surveyed, and by which what is left is cut, about; the rest goes into
+/// what lies under something.
+const SURVEYED: f64 = 0.9;
+const CUT: f64 = 0.6;
 /// The most patches that [`build`] makes.
-const PATCH_LIMIT: usize = 2_000_000;
+pub(super) const PATCH_LIMIT: usize = 2_000_000;
 
 /// Splits the surfaces of a scene into patches.
+///
+/// # Errors
+/// There is nothing to light, or the settings ask for more than a machine can hold.
 pub fn build(scene: &Scene, settings: &MeshSettings) -> Result<PatchMesh, MeshError> {
-    // 1. Join coplanar neighbours, and find the sides that light can reach.
-    let extent = scene.extent();
-    let size = extent.scale;
-    let as_given = settings.target == PatchTarget::AsGiven;
-    let (mut outlines, dropped) = regions::join(scene, size, as_given);
-    let is_counted = match settings.target {
-        PatchTarget::Count(_) => true,
-        PatchTarget::Auto => scene.patch_size.is_none(),
-        PatchTarget::Size(_) | PatchTarget::AsGiven => false,
-    };
-    outlines.iter_mut().for_each(|outline| outline.coarsest = coarsest(outline, &extent, is_counted));
-    if outlines.is_empty() {
-        return Err(MeshError::Empty);
-    }
-    let sheets = Sheets::new(&outlines, size);
-    let mut search = Search::new(scene, &outlines, &sheets, size);
-    let mut reached: Vec<[Reach; 2]> = match settings.backs {
-        Backs::Reached => search.sides(),
-        Backs::None => outlines
-            .iter()
-            .map(|o| {
-                [Reach::Lit, if o.luminaire.is_some() && o.emits_back { Reach::Lit } else { Reach::Black }]
-            })
-            .collect(),
-        Backs::All => vec![[Reach::Lit; 2]; outlines.len()],
-    };
-    for (reached, backing) in reached.iter_mut().zip(&sheets.backing) {
-        if *backing == Backing::Whole {
-            reached[Side::Back as usize] = Reach::Backed;
-        }
-    }
-    let sides: Vec<[bool; 2]> = reached.iter().map(|r| r.map(|side| side == Reach::Lit)).collect();
+    Watch::nobody(|watch| build_watched(scene, settings, watch))
+}
 
-    // 2. Choose the patch size and cut.
-    let mut finer = Finer {
-        lamps: Lamps::new(scene, &outlines, &sides, size),
-        refinement: settings.refinement.as_deref(),
-        slack: 1.0,
-    };
-    let patch_size = patch_size(scene, settings.target, &outlines, &sides, &mut finer)?;
+/// As [`build`], for somebody who watches and may end it.
+///
+/// # Errors
+/// Also [`MeshError::Cancelled`].
+pub fn build_watched(
+    scene: &Scene,
+    settings: &MeshSettings,
+    watch: &mut Watch<'_>,
+) -> Result<PatchMesh, MeshError> {
+    let survey = Survey::new(scene, settings, LightSearch::Full, &mut watch.part(0.0, SURVEYED))?;
+    build_on(&survey, scene, settings, &mut watch.part(SURVEYED, 1.0))
+}
+
+/// As [`build_watched`], on a survey of the same scene that [serves](Survey::serves) the settings.
+///
+/// # Errors
+/// As [`build_watched`].
+pub fn build_on(
+    survey: &Survey,
+    scene: &Scene,
+    settings: &MeshSettings,
+    watch: &mut Watch<'_>,
+) -> Result<PatchMesh, MeshError> {
+    let Survey { outlines, dropped, reached, sheets, sources, .. } = survey;
+    let (size, sides) = (survey.size, survey.sides());
+    let as_given = settings.target == PatchTarget::AsGiven;
+
+    // 1. Choose the patch size and cut.
+    let lamps = Lamps::new(scene, outlines, &sides, size);
+    let mut finer = Finer::new(lamps, settings.refinement.as_deref());
+    let patch_size = sizing::patch_size(scene, settings.target, outlines, &sides, &mut finer)?;
+    let asked = sizing::count_asked(scene, settings.target);
     let mut mesh = PatchMesh { size, ..PatchMesh::default() };
-    let edges = Edges::new(if as_given { &[] } else { &outlines }, size);
+    let edges = Edges::new(if as_given { &[] } else { outlines }, size);
+    let mut cutting = watch.part(0.0, CUT);
     for (index, outline) in outlines.iter().enumerate() {
+        cutting.done(index as f64 / outlines.len() as f64)?;
         let groups = if as_given {
             pieces::append_as_given(&mut mesh, outline);
             let region = &mesh.regions[index];
@@ -149,8 +177,8 @@ pub fn build(scene: &Scene, settings: &MeshSettings) -> Result<PatchMesh, MeshEr
             mesh.contacts.push(contacts);
             groups
         };
-        // 3. One patch a group and lit side; none where another surface lies on the back.
-        mark_backed(&mut mesh, &sheets, index);
+        // 2. One patch per group and lit side; none where another surface lies on the back.
+        mark_backed(&mut mesh, sheets, index);
         for side in [Side::Front, Side::Back] {
             if sides[index][side as usize] {
                 for group in &groups {
@@ -172,7 +200,9 @@ pub fn build(scene: &Scene, settings: &MeshSettings) -> Result<PatchMesh, MeshEr
         }
     }
     if settings.backs == Backs::Reached {
-        let found = search.buried(&reached, &mesh.patches, |patch| patches::inner_points(&mesh, patch));
+        let points = |patch: &Patch| patches::inner_points(&mesh, patch);
+        let search = Search::new(scene, outlines, sheets, sources);
+        let found = search.buried(reached, &mesh.patches, points, &mut watch.part(CUT, 1.0))?;
         for (index, buried) in found.into_iter().enumerate() {
             match buried {
                 Some(Buried::Whole) => mesh.patches[index].buried = true,
@@ -181,14 +211,14 @@ pub fn build(scene: &Scene, settings: &MeshSettings) -> Result<PatchMesh, MeshEr
             }
         }
     }
-    mesh.blockers = blockers(&outlines, size);
-    mesh.statistics = statistics(&mesh, scene, &sides, dropped, patch_size);
+    mesh.blockers = blockers(outlines, size);
+    mesh.statistics = statistics(&mesh, scene, &sides, *dropped, (patch_size, asked));
     Ok(mesh)
 }
 
 /// Notes which pieces of the last region, made of the outline at `index`, have another surface on their back:
 /// on all of it, for a ray that passed beside that surface would find nothing.
-fn mark_backed(mesh: &mut PatchMesh, sheets: &Sheets<'_>, index: usize) {
+fn mark_backed(mesh: &mut PatchMesh, sheets: &Sheets, index: usize) {
     /// Points are this share of the way from the corners to the middle of a piece.
     const INSET: f64 = 0.02;
     let Some(region) = mesh.regions.last_mut() else { return };
@@ -198,19 +228,6 @@ fn mark_backed(mesh: &mut PatchMesh, sheets: &Sheets<'_>, index: usize) {
         let middle = polygon::centroid_2d(&corners);
         let mut points = std::iter::once(middle).chain(corners.iter().map(|c| c.lerp(middle, INSET)));
         mesh.pieces[p as usize].backed = points.all(|at| sheets.covers_back(index, at));
-    }
-}
-
-/// Below which edge patches of an outline are not cut, metres: a share of it where it is far away from the rest,
-/// and where it is larger than what tolerances follow, as terrain is around a house.
-fn coarsest(outline: &Outline, extent: &Extent, is_counted: bool) -> f64 {
-    let longest = (outline.max - outline.min).max_element();
-    if !extent.holds(&outline.bounds) {
-        longest / 8.0
-    } else if is_counted && longest > extent.scale {
-        longest / 24.0
-    } else {
-        0.0
     }
 }
 
@@ -229,121 +246,12 @@ fn blockers(outlines: &[Outline], size: f64) -> Vec<Vec<DVec3>> {
     large.into_iter().map(|(_, corners)| corners).collect()
 }
 
-/// How much of the rectangle around it an outline fills.
-fn filled(outline: &Outline) -> f64 {
-    let extent = outline.max - outline.min;
-    (outline.area / (extent.x * extent.y).max(f64::MIN_POSITIVE)).min(1.0)
-}
-
-/// How many sides take part.
-fn taking_part(sides: [bool; 2]) -> f64 {
-    f64::from(u8::from(sides[0]) + u8::from(sides[1]))
-}
-
-/// What asks for patches that are smaller than elsewhere.
-struct Finer<'a> {
-    lamps: Lamps,
-    refinement: Option<&'a Refinement>,
-    /// How many times as long as the refinement asks for edges may be.
-    slack: f64,
-}
-
-impl Finer<'_> {
-    /// What is asked of one outline in a mesh of patches of edge `size`.
-    fn on(&self, index: usize, outline: &Outline, sides: [bool; 2], size: f64) -> Grading<'_> {
-        let wishes = self.refinement.map(|r| r.wishes(index, outline, self.slack * size)).unwrap_or_default();
-        self.lamps.grading(outline, sides, size, wishes)
-    }
-
-    /// How many patches more than [`estimate`] says the lit sides have by that.
-    fn estimate(&self, outlines: &[Outline], sides: &[[bool; 2]], size: f64) -> f64 {
-        let more = |(index, outline): (usize, &Outline)| {
-            let grading = self.on(index, outline, sides[index], size);
-            if grading.is_empty() {
-                return 0.0;
-            }
-            let grid = Grid::new(outline, size);
-            let cells = 0..grid.cells[0] * grid.cells[1];
-            let halves = |cell| grading.leaves(outline, grid.corner(cell), grid.cell).len() - 1;
-            let leaves: usize = cells.map(halves).sum();
-            leaves as f64 * filled(outline) * taking_part(sides[index])
-        };
-        outlines.par_iter().enumerate().map(more).collect::<Vec<f64>>().iter().sum()
-    }
-}
-
-/// About how many patches of edge `size` the lit sides give where nothing asks for smaller ones.
-fn estimate(outlines: &[Outline], sides: &[[bool; 2]], size: f64) -> f64 {
-    outlines
-        .iter()
-        .zip(sides)
-        .map(|(outline, sides)| {
-            let extent = outline.max - outline.min;
-            let size = size.max(outline.coarsest);
-            let cells = (extent.x / size).ceil().max(1.0) * (extent.y / size).ceil().max(1.0);
-            (cells * filled(outline)).max(1.0) * taking_part(*sides)
-        })
-        .sum()
-}
-
-fn patch_size(
-    scene: &Scene,
-    target: PatchTarget,
-    outlines: &[Outline],
-    sides: &[[bool; 2]],
-    finer: &mut Finer<'_>,
-) -> Result<f64, MeshError> {
-    let plain = |count: f64| {
-        let (mut low, mut high) = (1e-6_f64, 10.0);
-        let longest = outlines.iter().map(|o| (o.max - o.min).max_element()).fold(0.0, f64::max);
-        for _ in 0..60 {
-            let middle = (low * high).sqrt();
-            if estimate(outlines, sides, middle * longest) > count {
-                low = middle;
-            } else {
-                high = middle;
-            }
-        }
-        high * longest
-    };
-    let mut for_count = |count: f64| loop {
-        // What is asked for in places comes out of the same number; the rest makes do with larger patches.
-        let mut rest = count;
-        for _ in 0..6 {
-            let more = finer.estimate(outlines, sides, plain(rest));
-            rest = (0.5 * (rest + count - more)).max(0.25 * count);
-        }
-        let size = plain(rest);
-        let more = finer.estimate(outlines, sides, size);
-        if finer.refinement.is_none() || more <= MOST_ASKED * count || finer.slack > MOST_SLACK {
-            return size;
-        }
-        // Where surfaces are many and small, the rest cannot make do.
-        finer.slack *= (more / (MOST_ASKED * count)).sqrt().clamp(1.1, 4.0);
-    };
-    let size = match target {
-        PatchTarget::Size(size) if !(size > 0.0 && size.is_finite()) => return Err(MeshError::Size(size)),
-        PatchTarget::Size(size) => size,
-        PatchTarget::Count(count) => for_count(count.max(1) as f64),
-        PatchTarget::AsGiven => f64::INFINITY,
-        PatchTarget::Auto => scene.patch_size.unwrap_or_else(|| for_count(3000.0)),
-    };
-    let mut patches = estimate(outlines, sides, size.max(f64::MIN_POSITIVE));
-    if patches <= PATCH_LIMIT as f64 && target != PatchTarget::AsGiven {
-        patches += finer.estimate(outlines, sides, size);
-    }
-    if patches > PATCH_LIMIT as f64 {
-        return Err(MeshError::TooMany { size, patches: patches as usize, limit: PATCH_LIMIT });
-    }
-    Ok(size)
-}
-
 fn statistics(
     mesh: &PatchMesh,
     scene: &Scene,
     sides: &[[bool; 2]],
     dropped: usize,
-    patch_size: f64,
+    (patch_size, asked): (f64, Option<usize>),
 ) -> MeshStatistics {
     let mut aspects: Vec<f64> = mesh.patches.iter().map(|p| patches::aspect(mesh, p)).collect();
     aspects.sort_by(f64::total_cmp);
@@ -361,7 +269,16 @@ fn statistics(
         median_aspect: aspects.get(aspects.len() / 2).copied().unwrap_or(1.0),
         worst_aspect: aspects.last().copied().unwrap_or(1.0),
         patch_size,
+        asked,
+        whole_sides: whole_sides(mesh),
     }
+}
+
+/// Sides of regions no larger than one patch of the usual size; each needs a patch of its own.
+fn whole_sides(mesh: &PatchMesh) -> usize {
+    let side = |p: &Patch| (p.region, p.side);
+    let groups = mesh.patches.chunk_by(|a, b| side(a) == side(b));
+    groups.filter(|group| mesh.regions[group[0].region as usize].cells == [1, 1]).count()
 }
 
 impl PatchMesh {
@@ -369,5 +286,48 @@ impl PatchMesh {
     pub fn patch_on(&self, piece: u32, side: Side) -> Option<u32> {
         let patch = self.pieces[piece as usize].patches[side as usize];
         (patch != NO_PATCH).then_some(patch)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::{SceneSource, load};
+    use std::sync::atomic::{AtomicUsize, Ordering};
+
+    #[test]
+    fn a_request_to_end_is_obeyed_at_the_next_look_wherever_it_comes() {
+        let scene = load(&SceneSource::Builtin("gallery".to_owned())).expect("embedded");
+        let settings = MeshSettings { target: PatchTarget::Count(500), ..MeshSettings::default() };
+        let looks = AtomicUsize::new(0);
+        let count = || {
+            looks.fetch_add(1, Ordering::Relaxed);
+            false
+        };
+        let mut told = Vec::new();
+        let mut report = |share| told.push(share);
+        let whole = build_watched(&scene, &settings, &mut Watch::new(&count, &mut report)).expect("a mesh");
+        assert!(told.is_sorted() && told.last() == Some(&1.0), "shares rise to the whole");
+        let all = looks.into_inner();
+        assert!(all > 3 * whole.regions.len(), "each region is looked at in each step: {all}");
+        for end in [0, 1, all / 10, all / 2, 9 * all / 10, all - 1] {
+            let looks = AtomicUsize::new(0);
+            let cancelled = || looks.fetch_add(1, Ordering::Relaxed) >= end;
+            let ended = build_watched(&scene, &settings, &mut Watch::new(&cancelled, &mut |_| {}));
+            assert_eq!(ended.err(), Some(MeshError::Cancelled), "after {end} of {all} looks");
+            // Every thread looks once more at most.
+            let further = looks.into_inner() - end;
+            assert!(further <= rayon::current_num_threads() + 2, "{further} looks after the request");
+        }
+    }
+
+    #[test]
+    fn too_many_patches_are_refused_with_advice_that_helps() {
+        let told = too_many(0.01, 3_000_000, 1000, 2_000_000);
+        assert!(told.contains("about 3,000,000") && told.contains("choose a larger size"), "{told}");
+        let told = too_many(1.0, 3_000_000, 2_900_000, 2_000_000);
+        assert!(
+            told.contains("2,900,000 sides") && told.contains("simplify") && !told.contains("larger size")
+        );
     }
 }

@@ -8,7 +8,7 @@
 use super::pieces::{Cut, Grid};
 use super::refinement::Wishes;
 use super::regions::Outline;
-use crate::geometry::{Aabb, polygon};
+use crate::geometry::{Aabb, Bvh, polygon};
 use crate::scene::Scene;
 use glam::{DVec2, DVec3};
 use std::f64::consts::{PI, SQRT_2};
@@ -30,7 +30,6 @@ pub(super) struct LampFace {
     normal: DVec3,
     /// It shines from its back as well.
     both: bool,
-    bounds: Aabb,
     area: f64,
     /// Flux of one side over the mean irradiance of the scene, m².
     flux: f64,
@@ -40,6 +39,8 @@ pub(super) struct LampFace {
 #[derive(Default)]
 pub(super) struct Lamps {
     faces: Vec<LampFace>,
+    /// Over their boxes, as triangles without area.
+    tree: Bvh,
     /// Flux of all faces over the mean irradiance: the area that takes part, m².
     area: f64,
     /// Lengths below this count as none, metres.
@@ -69,7 +70,7 @@ impl Lamps {
     /// The lamps of a scene at full output, switched on or not: a mesh serves all their states.
     /// `sides` says which front and back of each outline take part.
     pub(super) fn new(scene: &Scene, outlines: &[Outline], sides: &[[bool; 2]], scene_size: f64) -> Self {
-        let mut faces = Vec::new();
+        let (mut faces, mut boxes) = (Vec::new(), Vec::new());
         let (mut flux, mut area) = (0.0, 0.0);
         for (outline, sides) in outlines.iter().zip(sides) {
             // Terrain around a house says nothing about how bright its rooms are.
@@ -81,8 +82,9 @@ impl Lamps {
             let exitance: f64 = (0..3).map(|band| full[band] * outline.emission_weight[band]).sum();
             for part in &outline.parts {
                 let corners: Vec<DVec3> = part.corners.iter().map(|&c| outline.world(c)).collect();
+                let bounds = Aabb::around(corners.iter().copied());
+                boxes.push([bounds.min, bounds.max, bounds.max]);
                 let face = LampFace {
-                    bounds: Aabb::around(corners.iter().copied()),
                     corners,
                     normal: outline.frame.normal,
                     both: outline.emits_back,
@@ -98,7 +100,7 @@ impl Lamps {
             return Self::default();
         }
         faces.iter_mut().for_each(|face| face.flux /= mean);
-        Self { faces, area, contact: 1e-6 * scene_size }
+        Self { faces, tree: Bvh::build(&boxes), area, contact: 1e-6 * scene_size }
     }
 
     /// What asks for smaller patches on a region in a mesh of patches of edge `size`: lamps close to it that
@@ -133,8 +135,12 @@ impl Lamps {
             let mut heights = corners.map(|&c| face.height(outline.world(c)));
             is_before && heights.any(|z| z > self.contact || face.both && z < -self.contact)
         };
-        let faces = self.faces.iter().filter(|face| face.bounds.meets(&near) && shines_on(face));
-        grading.faces.extend(faces);
+        let mut beside = Vec::new();
+        self.tree.touching(&near, |face| beside.push(face));
+        // In one order, whatever the tree: gradients are added up.
+        beside.sort_unstable();
+        let faces = beside.iter().map(|&face| &self.faces[face as usize]);
+        grading.faces.extend(faces.filter(|face| shines_on(face)));
         grading
     }
 }

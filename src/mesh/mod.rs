@@ -18,12 +18,16 @@ mod pieces;
 mod reach;
 mod refinement;
 mod regions;
+mod sizing;
+mod survey;
 mod types;
 
 pub use backing::Backing;
-pub use build::{Backs, MeshError, MeshSettings, PatchTarget, build};
+pub use build::{Backs, MeshError, MeshSettings, PatchTarget, build, build_on, build_watched};
 pub use checkup::checkup;
 pub use neighbours::Contact;
+pub use reach::LightSearch;
 pub(crate) use reach::cosine_direction;
 pub use refinement::Refinement;
+pub use survey::Survey;
 pub use types::{MeshStatistics, NO_PATCH, Patch, PatchMesh, Piece, PieceCorner, Region, Side};

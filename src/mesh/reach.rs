@@ -10,6 +10,7 @@ use super::regions::Outline;
 use super::types::{Patch, Side};
 use crate::geometry::{Frame, Ray, polygon};
 use crate::scene::{Scene, Sides};
+use crate::watch::{Cancelled, Watch};
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 
@@ -52,21 +53,49 @@ pub(super) enum Buried {
     LitAt(DVec3),
 }
 
+/// How many paths are followed from a side before it counts as out of all light.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum LightSearch {
+    /// So many that hardly any lit side is missed, and two have to find light.
+    #[default]
+    Full,
+    /// An eighth of them, of which one has to find light: where time presses. In rooms that lamps light well
+    /// few sides are missed; some that only a seam lights are taken for lit.
+    Quick,
+}
+
+impl LightSearch {
+    /// Paths, and how many must find light.
+    fn paths(self) -> (u64, u32) {
+        match self {
+            Self::Full => (PATHS, ENOUGH),
+            Self::Quick => (PATHS / 8, 1),
+        }
+    }
+}
+
 /// Finds what light can reach in a scene.
 pub(super) struct Search<'a> {
     scene: &'a Scene,
     outlines: &'a [Outline],
-    sheets: &'a Sheets<'a>,
+    sheets: &'a Sheets,
+    sources: &'a Sources,
+}
+
+/// Where light is known to come from.
+pub(super) struct Sources {
     /// Points on lamps with the direction that they shine to.
     lamps: Vec<(DVec3, DVec3)>,
     lamp_tangents: Vec<DVec3>,
     /// Points on lit sides with the direction that they face, where the search had to find them.
     lit_points: Vec<(DVec3, DVec3)>,
+    /// Paths and rays start so far before a surface, metres.
     offset: f64,
 }
 
-impl<'a> Search<'a> {
-    pub(super) fn new(scene: &'a Scene, outlines: &'a [Outline], sheets: &'a Sheets<'a>, size: f64) -> Self {
+impl Sources {
+    /// The lamps of a scene of some `size`, metres; no other side is known to be lit.
+    pub(super) fn new(outlines: &[Outline], size: f64) -> Self {
         let (mut lamps, mut lamp_tangents) = (Vec::new(), Vec::new());
         for outline in outlines {
             let normal = outline.frame.normal;
@@ -81,19 +110,57 @@ impl<'a> Search<'a> {
                 }
             }
         }
-        Self { scene, outlines, sheets, lamps, lamp_tangents, lit_points: Vec::new(), offset: size * 1e-7 }
+        Self { lamps, lamp_tangents, lit_points: Vec::new(), offset: size * 1e-7 }
     }
 
-    /// For every region how its front and its back stand to light.
-    pub(super) fn sides(&mut self) -> Vec<[Reach; 2]> {
-        let mut reached: Vec<[Reach; 2]> = (0..self.outlines.len())
-            .into_par_iter()
-            .map(|index| [Side::Front, Side::Back].map(|side| self.side(index, side)))
-            .collect();
+    /// For every region how its front and its back stand to light; remembers points that are lit.
+    ///
+    /// # Errors
+    /// The watch ended it.
+    pub(super) fn sides(
+        &mut self,
+        scene: &Scene,
+        outlines: &[Outline],
+        sheets: &Sheets,
+        how: LightSearch,
+        watch: &mut Watch<'_>,
+    ) -> Result<Vec<[Reach; 2]>, Cancelled> {
+        let first = Search { scene, outlines, sheets, sources: self };
+        let both =
+            |index: usize, _: &Outline| [Side::Front, Side::Back].map(|side| first.side(index, side, how));
+        let mut reached: Vec<[Reach; 2]> = watch.part(0.0, 0.6).map(outlines, both)?;
         if self.lamps.is_empty() || !reached.iter().flatten().any(|&r| r == Reach::Dark) {
-            return reached;
+            return Ok(reached);
         }
         // A side that the light of lamps meets over many bounces is lit, too.
+        let lit = Search { scene, outlines, sheets, sources: self }.lit_by_lamps(&mut reached);
+        self.lit_points.extend(lit);
+        // With so many lit points to look for, those that few paths led to are found as well: many small
+        // facets around a place that is lit through a gap.
+        let search = Search { scene, outlines, sheets, sources: self };
+        watch.part(0.6, 1.0).map(&reached, |index, both| {
+            [Side::Front, Side::Back].map(|side| match both[side as usize] {
+                Reach::Dark => search.side(index, side, how),
+                known => known,
+            })
+        })
+    }
+}
+
+impl<'a> Search<'a> {
+    pub(super) fn new(
+        scene: &'a Scene,
+        outlines: &'a [Outline],
+        sheets: &'a Sheets,
+        sources: &'a Sources,
+    ) -> Self {
+        Self { scene, outlines, sheets, sources }
+    }
+
+    /// Marks the sides that the light of lamps meets over many bounces, and finds points there with the
+    /// direction that they face.
+    fn lit_by_lamps(&self, reached: &mut [[Reach; 2]]) -> Vec<(DVec3, DVec3)> {
+        let mut points = Vec::new();
         for (side, hits) in self.met_by_lamps().into_iter().enumerate() {
             let reach = &mut reached[side / 2][side % 2];
             if hits.len() >= ENOUGH_LAMP_PATHS {
@@ -101,21 +168,10 @@ impl<'a> Search<'a> {
                     *reach = if self.is_black(side) { Reach::Black } else { Reach::Lit };
                 }
                 let normal = self.frame(side).normal;
-                self.lit_points.extend(spread(&hits).into_iter().map(|at| (at, normal)));
+                points.extend(spread(&hits).into_iter().map(|at| (at, normal)));
             }
         }
-        // With so many lit points to look for, those that few paths led to are found as well: many small
-        // facets around a place that is lit through a gap.
-        reached
-            .par_iter()
-            .enumerate()
-            .map(|(index, both)| {
-                [Side::Front, Side::Back].map(|side| match both[side as usize] {
-                    Reach::Dark => self.side(index, side),
-                    known => known,
-                })
-            })
-            .collect()
+        points
     }
 
     /// For every side (2 x region + side) where the paths of lamps meet it, one point a path.
@@ -132,12 +188,13 @@ impl<'a> Search<'a> {
     /// The sides that light from a lamp meets on one path, each with the first point there.
     fn path_of_lamp(&self, path: u64) -> Vec<(usize, DVec3)> {
         let mut met: Vec<(usize, DVec3)> = Vec::new();
-        let (mut point, normal) = self.lamps[path as usize % self.lamps.len()];
-        let mut frame = Frame::along(normal, self.lamp_tangents[path as usize % self.lamps.len()]);
+        let (mut point, normal) = self.sources.lamps[path as usize % self.sources.lamps.len()];
+        let mut frame =
+            Frame::along(normal, self.sources.lamp_tangents[path as usize % self.sources.lamps.len()]);
         for bounce in 0..LAMP_BOUNCES {
             let key = (1 << 50) + LAMP_BOUNCES * path + bounce;
             let direction = frame.world(cosine_from(unit(key, 1), unit(key, 2)));
-            let origin = point + frame.normal * self.offset;
+            let origin = point + frame.normal * self.sources.offset;
             let Some(hit) = self.sheets.nearest(&Ray { origin, direction }) else { break };
             let side = self.side_met(hit.triangle, direction);
             point = origin + direction * hit.distance;
@@ -170,7 +227,7 @@ impl<'a> Search<'a> {
         Frame::along(frame.normal * if side % 2 == 1 { -1.0 } else { 1.0 }, frame.tangent)
     }
 
-    fn side(&self, index: usize, side: Side) -> Reach {
+    fn side(&self, index: usize, side: Side, how: LightSearch) -> Reach {
         let outline = &self.outlines[index];
         if side == Side::Back && self.sheets.backing[index] == Backing::Whole {
             return Reach::Backed;
@@ -180,7 +237,7 @@ impl<'a> Search<'a> {
         if emits || sides == Sides::Both || (sides == Sides::Front && side == Side::Front) {
             return Reach::Lit;
         }
-        if self.lamps.is_empty() {
+        if self.sources.lamps.is_empty() {
             // Nothing is lit; every front is kept, so that there is something to see.
             return if side == Side::Front { Reach::Lit } else { Reach::Black };
         }
@@ -188,7 +245,8 @@ impl<'a> Search<'a> {
         starts.retain(|&at| side == Side::Front || !self.sheets.covers_back(index, at));
         let starts: Vec<DVec3> = starts.into_iter().map(|p| outline.world(p)).collect();
         let seed = 2 * index as u64 + side as u64;
-        match self.is_lit(&starts, self.frame(2 * index + side as usize), seed, PATHS, ENOUGH) {
+        let (paths, enough) = how.paths();
+        match self.is_lit(&starts, self.frame(2 * index + side as usize), seed, paths, enough) {
             false => Reach::Dark,
             true if sides == Sides::Front => Reach::Black,
             true => Reach::Lit,
@@ -198,52 +256,51 @@ impl<'a> Search<'a> {
     /// For each patch whether its centre lies under something, out of all light, although its side is
     /// lit elsewhere; then a point of it that is lit, if any of `points` is. A lamp's counts as buried where
     /// it shines on sides that are dark by what has been `reached`.
+    ///
+    /// # Errors
+    /// The watch ended it.
     pub(super) fn buried(
         &self,
         reached: &[[Reach; 2]],
         patches: &[Patch],
         points: impl Fn(&Patch) -> Vec<DVec3> + Sync,
-    ) -> Vec<Option<Buried>> {
-        patches
-            .par_iter()
-            .enumerate()
-            .map(|(index, patch)| {
-                let by_reach = self.scene.materials[patch.material as usize].sides != Sides::Both;
-                let seed = (1 << 40) + 64 * index as u64;
-                let frame = self.frame(2 * patch.region as usize + patch.side as usize);
-                if patch.luminaire.is_some() {
-                    let covered = |point: &DVec3| self.looks_into_dark(reached, *point, frame);
-                    if !covered(&patch.centre) {
-                        return None;
-                    }
-                    let open = points(patch).into_iter().take(40).find(|point| !covered(point));
-                    return Some(open.map_or(Buried::Whole, Buried::LitAt));
-                }
-                if !by_reach
-                    || self.lamps.is_empty()
-                    || self.is_lit(&[patch.centre], frame, seed, PATHS / 3, 1)
-                {
+        watch: &mut Watch<'_>,
+    ) -> Result<Vec<Option<Buried>>, Cancelled> {
+        watch.map(patches, |index, patch| {
+            let by_reach = self.scene.materials[patch.material as usize].sides != Sides::Both;
+            let seed = (1 << 40) + 64 * index as u64;
+            let frame = self.frame(2 * patch.region as usize + patch.side as usize);
+            if patch.luminaire.is_some() {
+                let covered = |point: &DVec3| self.looks_into_dark(reached, *point, frame);
+                if !covered(&patch.centre) {
                     return None;
                 }
-                // In a house of many rooms few of so short paths come upon one of the lamps of this room.
-                let near = self.lit_points_near(patch.centre, frame.normal);
-                if self.sees(patch.centre, frame.normal, &near) {
-                    return None;
-                }
-                let lit = (1..).zip(points(patch).into_iter().take(40)).find(|&(k, point)| {
-                    self.is_lit(&[point], frame, seed + k, PATHS / 8, 1)
-                        || self.sees(point, frame.normal, &near)
-                });
-                Some(lit.map_or(Buried::Whole, |(_, point)| Buried::LitAt(point)))
-            })
-            .collect()
+                let open = points(patch).into_iter().take(40).find(|point| !covered(point));
+                return Some(open.map_or(Buried::Whole, Buried::LitAt));
+            }
+            if !by_reach
+                || self.sources.lamps.is_empty()
+                || self.is_lit(&[patch.centre], frame, seed, PATHS / 3, 1)
+            {
+                return None;
+            }
+            // In a house of many rooms few of so short paths come upon one of the lamps of this room.
+            let near = self.lit_points_near(patch.centre, frame.normal);
+            if self.sees(patch.centre, frame.normal, &near) {
+                return None;
+            }
+            let lit = (1..).zip(points(patch).into_iter().take(40)).find(|&(k, point)| {
+                self.is_lit(&[point], frame, seed + k, PATHS / 8, 1) || self.sees(point, frame.normal, &near)
+            });
+            Some(lit.map_or(Buried::Whole, |(_, point)| Buried::LitAt(point)))
+        })
     }
 
     /// Whether more than half of what is seen from a point is sides that no light reaches: nothing that is
     /// lit sees any, but for seams.
     fn looks_into_dark(&self, reached: &[[Reach; 2]], point: DVec3, frame: Frame) -> bool {
         const RAYS: u32 = 16;
-        let origin = point + frame.normal * self.offset;
+        let origin = point + frame.normal * self.sources.offset;
         let meets_dark = |k: &u32| {
             let direction = frame.world(cosine_direction(*k, RAYS, 0.1));
             self.sheets.nearest(&Ray { origin, direction }).is_some_and(|hit| {
@@ -258,6 +315,7 @@ impl<'a> Search<'a> {
     /// face it.
     fn lit_points_near(&self, centre: DVec3, normal: DVec3) -> Vec<(DVec3, DVec3)> {
         let mut near: Vec<(f64, (DVec3, DVec3))> = self
+            .sources
             .lit_points
             .iter()
             .map(|&lit| (lit.0 - centre, lit))
@@ -273,9 +331,9 @@ impl<'a> Search<'a> {
 
     /// Whether one of these points, each with the direction that it faces, is seen from a point.
     fn sees(&self, from: DVec3, normal: DVec3, points: &[(DVec3, DVec3)]) -> bool {
-        let origin = from + normal * self.offset;
+        let origin = from + normal * self.sources.offset;
         points.iter().any(|&(at, towards)| {
-            let direction = at + towards * self.offset - origin;
+            let direction = at + towards * self.sources.offset - origin;
             let faces = direction.dot(normal) > 0.0 && direction.dot(towards) < 0.0;
             faces && !self.sheets.occluded(&Ray { origin, direction }, 1.0)
         })
@@ -298,14 +356,17 @@ impl<'a> Search<'a> {
 
     fn path_finds_light(&self, mut point: DVec3, mut frame: Frame, seed: u64) -> bool {
         for bounce in 0..BOUNCES {
-            point += frame.normal * self.offset;
+            point += frame.normal * self.sources.offset;
             let key = seed.wrapping_mul(BOUNCES) + bounce;
             // A lamp, or as often a point that is known to be lit.
-            let targets =
-                if key % 2 == 1 && !self.lit_points.is_empty() { &self.lit_points } else { &self.lamps };
+            let targets = if key % 2 == 1 && !self.sources.lit_points.is_empty() {
+                &self.sources.lit_points
+            } else {
+                &self.sources.lamps
+            };
             let target = (unit(key, 0) * targets.len() as f64) as usize;
             let (at, towards) = targets[target.min(targets.len() - 1)];
-            let at = at + towards * self.offset;
+            let at = at + towards * self.sources.offset;
             let to_target = at - point;
             if to_target.dot(frame.normal) > 0.0
                 && to_target.dot(towards) < 0.0

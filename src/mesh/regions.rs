@@ -2,6 +2,7 @@
 
 use crate::geometry::{Aabb, Frame, polygon};
 use crate::scene::{Scene, Surface};
+use crate::watch::{Cancelled, Watch};
 use glam::{DVec2, DVec3};
 use std::collections::{HashMap, VecDeque};
 
@@ -56,7 +57,15 @@ const COPLANAR: f64 = 1e-7;
 ///
 /// With `keep_surfaces` the parts of a region stay the input surfaces; otherwise a region whose
 /// outline is one convex loop becomes one part.
-pub(super) fn join(scene: &Scene, size: f64, keep_surfaces: bool) -> (Vec<Outline>, usize) {
+///
+/// # Errors
+/// The watch ended it.
+pub(super) fn join(
+    scene: &Scene,
+    size: f64,
+    keep_surfaces: bool,
+    watch: &mut Watch<'_>,
+) -> Result<(Vec<Outline>, usize), Cancelled> {
     let welded = weld(&scene.positions, size * 1e-7);
     let planes: Vec<Plane> = scene.surfaces.iter().map(|s| Plane::of(scene, s)).collect();
     let smallest = (size * 1e-9).powi(2);
@@ -75,6 +84,7 @@ pub(super) fn join(scene: &Scene, size: f64, keep_surfaces: bool) -> (Vec<Outlin
         if region_of[seed] != u32::MAX {
             continue;
         }
+        watch.done(seed as f64 / scene.surfaces.len() as f64)?;
         if planes[seed].area <= smallest {
             dropped += 1;
             continue;
@@ -102,7 +112,7 @@ pub(super) fn join(scene: &Scene, size: f64, keep_surfaces: bool) -> (Vec<Outlin
         members.sort_unstable();
         outlines.push(outline(scene, &planes, &members, &welded, keep_surfaces));
     }
-    (outlines, dropped)
+    Ok((outlines, dropped))
 }
 
 struct Plane {

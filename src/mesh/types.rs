@@ -1,5 +1,6 @@
 use super::backing::Backing;
 use crate::geometry::{Aabb, Frame};
+use crate::scene::grouped;
 use glam::{DVec2, DVec3};
 use std::ops::Range;
 
@@ -219,4 +220,35 @@ pub struct MeshStatistics {
     pub worst_aspect: f64,
     /// The edge length that was aimed at, metres.
     pub patch_size: f64,
+    /// The number of patches that was asked for, where it was a number.
+    pub asked: Option<usize>,
+    /// Sides of surfaces no larger than a patch of that edge: each has a patch of its own.
+    pub whole_sides: usize,
+}
+
+impl MeshStatistics {
+    /// Where the mesh has far more patches than were asked for, one sentence that says why.
+    pub fn excess(&self) -> Option<String> {
+        /// Numbers are only about met: a mesh of so many times as many is explained, and so is what takes so
+        /// large a share of the number.
+        const MUCH: f64 = 1.25;
+        const SHARE: f64 = 0.125;
+        let asked = self.asked.filter(|&asked| self.patches as f64 > MUCH * asked as f64)?;
+        let more = self.patches.saturating_sub(asked + self.whole_sides);
+        let counts = |n: usize| n as f64 > SHARE * asked as f64;
+        let told = |n: usize| grouped(n as i64);
+        let whole = format!("{} sides of small faces need one each", told(self.whole_sides));
+        let others = format!("narrow faces and faces that others touch take {} more", told(more));
+        let reasons: Vec<String> = [(self.whole_sides, whole), (more, others)]
+            .into_iter()
+            .filter(|(n, _)| counts(*n))
+            .map(|(_, reason)| reason)
+            .collect();
+        Some(format!(
+            "{} patches were asked for; {}, so the mesh has {}",
+            told(asked),
+            reasons.join(" and "),
+            told(self.patches)
+        ))
+    }
 }

@@ -1,3 +1,4 @@
+use crate::watch::Cancelled;
 use std::path::{Path, PathBuf};
 
 /// Why a scene cannot be read or its sidecar cannot be written. Each message is one sentence.
@@ -59,6 +60,9 @@ pub enum SceneError {
         /// The names that exist.
         known: String,
     },
+    /// The watch ended it.
+    #[error("the reading was cancelled")]
+    Cancelled,
     /// The sidecar cannot be written; what was there before is untouched.
     #[error("{}: cannot be written ({reason}); nothing was changed", path.display())]
     Unwritable {
@@ -67,6 +71,12 @@ pub enum SceneError {
         /// What the system says.
         reason: String,
     },
+}
+
+impl From<Cancelled> for SceneError {
+    fn from(Cancelled: Cancelled) -> Self {
+        Self::Cancelled
+    }
 }
 
 impl SceneError {

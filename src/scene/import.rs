@@ -4,15 +4,23 @@ use super::error::SceneError;
 use super::extent::{self, Extent, Footprint};
 use super::luminaires::{Parts, gather};
 use super::obj::{Face, Obj};
-use super::repair::repair;
+use super::repair::repair_watched;
 use super::sidecar::{Sidecar, Source};
 use super::space::Space;
 use super::types::{FrameChoice, Scene, SceneSource};
 use super::{builtin, frame, mtl, names, obj, sides, views};
 use crate::geometry::Aabb;
+use crate::watch::Watch;
 use glam::DVec3;
 use std::io;
 use std::path::{Path, PathBuf};
+
+/// Shares of the time by which the text is scanned, images are decoded, the text is parsed and the polygons are
+/// repaired, about; the rest goes into lamps and views.
+const SCANNED: f64 = 0.35;
+const PICTURED: f64 = 0.45;
+const PARSED: f64 = 0.8;
+const REPAIRED: f64 = 0.95;
 
 /// Where a scene's texts come from.
 struct Input<'a> {
@@ -34,9 +42,17 @@ struct Input<'a> {
 /// What can be repaired is, and is told in [`Scene::findings`]; the rest is an error that names file
 /// and line.
 pub fn load(source: &SceneSource) -> Result<Scene, SceneError> {
+    Watch::nobody(|watch| load_watched(source, watch))
+}
+
+/// As [`load`], for somebody who watches and may end it.
+///
+/// # Errors
+/// Also [`SceneError::Cancelled`].
+pub fn load_watched(source: &SceneSource, watch: &mut Watch<'_>) -> Result<Scene, SceneError> {
     match source {
-        SceneSource::File(path) => load_file(path, FrameChoice::default()),
-        SceneSource::FileAs(path, choice) => load_file(path, *choice),
+        SceneSource::File(path) => load_file(path, FrameChoice::default(), watch),
+        SceneSource::FileAs(path, choice) => load_file(path, *choice, watch),
         SceneSource::Builtin(name) => {
             let texts = builtin::source(name).ok_or_else(|| SceneError::UnknownBuiltin {
                 name: names::short(name),
@@ -53,7 +69,7 @@ pub fn from_text(name: &str, obj: &str, mtl: &str, sidecar_toml: Option<&str>) -
         let is_image = [".png", ".jpg", ".jpeg"].iter().any(|end| file.to_ascii_lowercase().ends_with(end));
         if is_image { Err(io::ErrorKind::NotFound.into()) } else { Ok(mtl.as_bytes().to_vec()) }
     };
-    build(Input {
+    let input = Input {
         name,
         source: SceneSource::Builtin(name.to_owned()),
         choice: FrameChoice::default(),
@@ -61,7 +77,8 @@ pub fn from_text(name: &str, obj: &str, mtl: &str, sidecar_toml: Option<&str>) -
         obj,
         sidecar: sidecar_toml.map(|text| (format!("{name}.toml"), text.to_owned())),
         read: &read,
-    })
+    };
+    Watch::nobody(|watch| build(input, watch))
 }
 
 /// The sidecar that belongs to an OBJ file: `NAME.toml` beside it.
@@ -69,7 +86,7 @@ pub fn sidecar_path(obj: &Path) -> PathBuf {
     obj.with_extension("toml")
 }
 
-fn load_file(path: &Path, choice: FrameChoice) -> Result<Scene, SceneError> {
+fn load_file(path: &Path, choice: FrameChoice, watch: &mut Watch<'_>) -> Result<Scene, SceneError> {
     let bytes = read_file(path).map_err(|error| SceneError::reading(path, &error))?;
     let sidecar_path = sidecar_path(path);
     let sidecar = match read_file(&sidecar_path) {
@@ -78,9 +95,13 @@ fn load_file(path: &Path, choice: FrameChoice) -> Result<Scene, SceneError> {
         Err(error) => return Err(SceneError::reading(&sidecar_path, &error)),
     };
     let folder = path.parent().unwrap_or(Path::new(""));
-    let read = |file: &str| read_beside(folder, file);
+    let cancelled = watch.cancelled();
+    let read = |file: &str| match cancelled() {
+        true => Err(io::ErrorKind::Interrupted.into()),
+        false => read_beside(folder, file),
+    };
     let name = path.file_stem().map_or_else(|| "scene".into(), |stem| stem.to_string_lossy());
-    build(Input {
+    let input = Input {
         name: &name,
         source: SceneSource::File(path.to_owned()).framed(choice),
         choice,
@@ -88,7 +109,8 @@ fn load_file(path: &Path, choice: FrameChoice) -> Result<Scene, SceneError> {
         obj: &String::from_utf8_lossy(&bytes),
         sidecar,
         read: &read,
-    })
+    };
+    build(input, watch)
 }
 
 /// The file's own name: short enough for a sentence, and unmistakable beside the scene's.
@@ -121,15 +143,16 @@ pub(super) fn read_beside(folder: &Path, file: &str) -> io::Result<Vec<u8>> {
     result
 }
 
-fn build(input: Input<'_>) -> Result<Scene, SceneError> {
+fn build(input: Input<'_>, watch: &mut Watch<'_>) -> Result<Scene, SceneError> {
     let sidecar_source = input.sidecar.as_ref().map(|(file, text)| Source { file, text });
     let sidecar = sidecar_source.map(|source| source.parse()).transpose()?;
-    let scan = obj::scan(&input.obj_file, input.name, input.obj)?;
+    let scan = obj::scan(&input.obj_file, input.name, input.obj, &mut watch.part(0.0, SCANNED))?;
     let (mut materials, textures) = mtl::read(&scan, &input.obj_file, input.read)?;
+    watch.done(PICTURED)?;
     let mut findings = scan.findings.clone();
     findings.append(&mut materials.findings);
     let obj = match &materials.parsed {
-        Some(parsed) => obj::parse(&input.obj_file, scan, parsed)?,
+        Some(parsed) => obj::parse(&input.obj_file, scan, parsed, &mut watch.part(PICTURED, PARSED))?,
         None => return Err(SceneError::file(&input.obj_file, "the materials were not parsed")),
     };
 
@@ -146,7 +169,7 @@ fn build(input: Input<'_>) -> Result<Scene, SceneError> {
     let emits: Vec<bool> = materials.exitance.iter().map(|e| e.iter().any(|e| *e > 0.0)).collect();
     let origin = origin(&obj, &positions, &emits);
     positions.iter_mut().for_each(|p| *p -= origin);
-    let mut repaired = repair(&obj, &positions, &emits);
+    let mut repaired = repair_watched(&obj, &positions, &emits, &mut watch.part(PARSED, REPAIRED))?;
     findings.append(&mut repaired.findings);
     let mut surfaces = repaired.surfaces;
     if surfaces.is_empty() {
@@ -165,6 +188,7 @@ fn build(input: Input<'_>) -> Result<Scene, SceneError> {
     let mut normals = repaired.normals;
     let luminaires = gather(&parts, &mut surfaces, &mut normals, sidecar.as_ref().zip(sidecar_source))?;
 
+    watch.done(REPAIRED)?;
     let bookmarks = match (&sidecar, sidecar_source) {
         (Some(sidecar), Some(source)) => sidecar.views(source, unit, origin)?,
         _ => Vec::new(),
@@ -221,4 +245,43 @@ fn judge(scene: &mut Scene, stated: FrameChoice) {
         }
     }
     scene.findings.append(&mut findings);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::fmt::Write as _;
+    use std::sync::atomic::{AtomicUsize, Ordering};
+
+    #[test]
+    fn a_request_to_end_is_obeyed_at_the_next_look_wherever_it_comes() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("field.obj");
+        let mut text = String::new();
+        for k in 0..20_000 {
+            let _ = writeln!(text, "v {k} 0 0\nv {k} 1 0\nv {k} 0 1\nf -3 -2 -1");
+        }
+        std::fs::write(&path, text).unwrap();
+        let source = SceneSource::File(path);
+        let looks = AtomicUsize::new(0);
+        let count = || {
+            looks.fetch_add(1, Ordering::Relaxed);
+            false
+        };
+        let mut told = Vec::new();
+        let mut report = |share| told.push(share);
+        let scene = load_watched(&source, &mut Watch::new(&count, &mut report)).unwrap();
+        assert_eq!(scene.surfaces.len(), 20_000);
+        assert!(told.is_sorted() && told.last() >= Some(&REPAIRED), "shares rise");
+        let all = looks.into_inner();
+        assert!(all > 150, "looked at every few hundred lines and faces: {all}");
+        for end in [0, all / 4, all / 2, 3 * all / 4, all - 1] {
+            let looks = AtomicUsize::new(0);
+            let cancelled = || looks.fetch_add(1, Ordering::Relaxed) >= end;
+            let ended = load_watched(&source, &mut Watch::new(&cancelled, &mut |_| {}));
+            assert_eq!(ended.err(), Some(SceneError::Cancelled), "after {end} of {all} looks");
+            let further = looks.into_inner() - end;
+            assert!(further <= 2, "{further} looks after the request");
+        }
+    }
 }

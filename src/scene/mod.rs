@@ -45,7 +45,7 @@ pub use doctor::{Crossing, Examination, check, examine};
 pub use error::SceneError;
 pub use extent::Extent;
 pub use finding::{Finding, FindingKind, MOST_PLACES, Places, Severity};
-pub use import::{from_text, load, sidecar_path};
+pub use import::{from_text, load, load_watched, sidecar_path};
 pub use luminaires::lumens;
 pub use mend::{Mended, mend};
 pub use names::nearest as nearest_names;

@@ -8,16 +8,24 @@
 use super::error::SceneError;
 use super::finding::{Finding, FindingKind, MOST_PLACES, Places, Severity};
 use super::names;
+use crate::watch::Watch;
 use glam::{DVec2, DVec3};
 use std::collections::{HashMap, HashSet};
 use std::fmt::Write as _;
 use std::hash::Hash;
+use std::io::{self, BufRead, Read};
 
 /// Name of the material of faces that name none.
 pub(super) const NO_MATERIAL: &str = "default";
 
 /// No building comes near this, and squares of such lengths stay well within range.
 const LARGEST_COORDINATE: f64 = 1e12;
+
+/// Lines scanned and bytes parsed between two looks at whether to go on.
+const WATCHED_LINES: usize = 1024;
+const WATCHED_BYTES: usize = 1 << 16;
+/// Share of the time that `tobj` takes of parsing, about.
+const PARSED: f64 = 0.7;
 
 /// The polygons of a file, in its own unit and in its order.
 #[derive(Clone, Debug, Default)]
@@ -95,8 +103,13 @@ pub(super) fn words(rest: &str) -> impl Iterator<Item = &str> {
 }
 
 /// Reads the text once, checks every line that matters and writes a clean one.
-pub(super) fn scan(file: &str, default_object: &str, text: &str) -> Result<Scan, SceneError> {
-    Scanner { file, default_object, ..Scanner::default() }.run(text)
+pub(super) fn scan(
+    file: &str,
+    default_object: &str,
+    text: &str,
+    watch: &mut Watch<'_>,
+) -> Result<Scan, SceneError> {
+    Scanner { file, default_object, ..Scanner::default() }.run(text, watch)
 }
 
 #[derive(Default)]
@@ -124,12 +137,16 @@ struct Scanner<'a> {
 }
 
 impl Scanner<'_> {
-    fn run(mut self, text: &str) -> Result<Scan, SceneError> {
+    fn run(mut self, text: &str, watch: &mut Watch<'_>) -> Result<Scan, SceneError> {
         (self.names_changed, self.material_changed) = (true, true);
         self.scan.clean.reserve(text.len() + text.len() / 16);
         self.scan.clean.push_str("mtllib materials\n");
         let mut anything = false;
         for (line, content) in logical_lines(text) {
+            if line % WATCHED_LINES == 0 {
+                // The clean text is about as long.
+                watch.done((self.scan.clean.len() as f64 / text.len() as f64).min(1.0))?;
+            }
             let (word, rest) = keyword(&content);
             anything |= !word.is_empty();
             match word {
@@ -340,10 +357,19 @@ impl Scanner<'_> {
 /// Lets `tobj` parse the clean text and gathers its models into one list of polygons.
 ///
 /// `materials` holds every material that the scan found in use.
-pub(super) fn parse(file: &str, scan: Scan, materials: &tobj::MTLLoadResult) -> Result<Obj, SceneError> {
+pub(super) fn parse(
+    file: &str,
+    scan: Scan,
+    materials: &tobj::MTLLoadResult,
+    watch: &mut Watch<'_>,
+) -> Result<Obj, SceneError> {
     let options = tobj::LoadOptions { triangulate: false, single_index: false, ..Default::default() };
-    let (models, _) = tobj::load_obj_buf(&mut scan.clean.as_bytes(), &options, |_| materials.clone())
-        .map_err(|error| SceneError::file(file, format!("the OBJ text cannot be parsed ({error})")))?;
+    let whole = scan.clean.as_bytes();
+    let mut reader = WatchedText { whole, read: 0, watch: watch.part(0.0, PARSED) };
+    let parsed = tobj::load_obj_buf(&mut reader, &options, |_| materials.clone());
+    watch.done(PARSED)?;
+    let (models, _) =
+        parsed.map_err(|error| SceneError::file(file, format!("the OBJ text cannot be parsed ({error})")))?;
     let mut obj = Obj { objects: scan.objects, ..Obj::default() };
     let (mut positions, mut normals, mut uvs) = (Pool::default(), Pool::default(), Pool::default());
     let mut marks = scan.marks.iter();
@@ -358,6 +384,7 @@ pub(super) fn parse(file: &str, scan: Scan, materials: &tobj::MTLLoadResult) -> 
         let place: Vec<u32> = triples(&mesh.positions).map(|p| positions.index(p)).collect();
         let normal: Vec<u32> = triples(&mesh.normals).map(|n| normals.index(n)).collect();
         let uv: Vec<u32> = mesh.texcoords.as_chunks::<2>().0.iter().map(|&t| uvs.index(t)).collect();
+        watch.done(PARSED + (1.0 - PARSED) * obj.faces.len() as f64 / scan.marks.len() as f64)?;
         let mut start = 0;
         while start < mesh.indices.len() {
             let mark = *marks.next().ok_or_else(unexpected)?;
@@ -382,6 +409,34 @@ pub(super) fn parse(file: &str, scan: Scan, materials: &tobj::MTLLoadResult) -> 
     obj.normals = normals.values.into_iter().map(DVec3::from).collect();
     obj.uvs = uvs.values.into_iter().map(DVec2::from).collect();
     Ok(obj)
+}
+
+/// A text that is watched while it is read.
+struct WatchedText<'a, 'w> {
+    whole: &'a [u8],
+    read: usize,
+    watch: Watch<'w>,
+}
+
+impl BufRead for WatchedText<'_, '_> {
+    fn fill_buf(&mut self) -> io::Result<&[u8]> {
+        let left = &self.whole[self.read..];
+        let share = self.read as f64 / self.whole.len().max(1) as f64;
+        self.watch.done(share).map_err(|_| io::Error::other("cancelled"))?;
+        Ok(&left[..left.len().min(WATCHED_BYTES)])
+    }
+
+    fn consume(&mut self, amount: usize) {
+        self.read = (self.read + amount).min(self.whole.len());
+    }
+}
+
+impl Read for WatchedText<'_, '_> {
+    fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
+        let count = self.fill_buf()?.read(buffer)?;
+        self.consume(count);
+        Ok(count)
+    }
 }
 
 fn triples(flat: &[f64]) -> impl Iterator<Item = [f64; 3]> {
@@ -418,11 +473,11 @@ mod tests {
     use super::*;
 
     fn read(text: &str) -> Result<(Obj, Vec<String>), SceneError> {
-        let scan = scan("t.obj", "t", text)?;
+        let scan = Watch::nobody(|watch| scan("t.obj", "t", text, watch))?;
         let names = scan.materials.clone();
         let mtl: String = names.iter().map(|n| format!("newmtl {n}\n")).collect();
         let materials = tobj::load_mtl_buf(&mut mtl.as_bytes());
-        parse("t.obj", scan, &materials).map(|obj| (obj, names))
+        Watch::nobody(|watch| parse("t.obj", scan, &materials, watch)).map(|obj| (obj, names))
     }
 
     const SQUARE: &str = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n";
@@ -487,7 +542,7 @@ mod tests {
     #[test]
     fn short_faces_and_unknown_words_are_counted() {
         let text = format!("{SQUARE}f 1 2\nf 1\nf 1 2 3\ncurv2 1 2 3\n");
-        let scan = scan("t.obj", "t", &text).unwrap();
+        let scan = Watch::nobody(|watch| scan("t.obj", "t", &text, watch)).unwrap();
         assert_eq!(scan.marks.len(), 1);
         assert_eq!(scan.findings[0].count, 2);
         assert!(scan.findings[0].message.contains("line 5"), "{}", scan.findings[0].message);

@@ -2,7 +2,8 @@
 
 use super::{Prepared, Solved, Timings};
 use crate::effects::{Effect, EffectPlan};
-use crate::mesh::Side;
+use crate::form_factors::RowComputer;
+use crate::mesh::{PatchMesh, Side};
 use crate::solver::columns_read;
 use std::time::{Duration, Instant};
 
@@ -18,37 +19,44 @@ const PROBES: usize = 12;
 ///
 /// Textures and smooth surfaces take nothing from a solve: one is read while meshing, one at display.
 pub(super) fn measured(prepared: &Prepared, lamps: usize, timings: &Timings) -> EffectPlan {
-    let mut plan = (*prepared.plan).clone();
-    let patches = prepared.mesh.patches.len().max(1);
-    for effect in Effect::ALL.into_iter().filter(|&e| prepared.plan.is_on(e)) {
+    costs((&prepared.plan, &prepared.mesh, &prepared.computer), lamps, timings)
+}
+
+fn costs(
+    (plan, mesh, computer): (&EffectPlan, &PatchMesh, &RowComputer),
+    lamps: usize,
+    timings: &Timings,
+) -> EffectPlan {
+    let mut measured = plan.clone();
+    let patches = mesh.patches.len().max(1);
+    for effect in Effect::ALL.into_iter().filter(|&e| plan.is_on(e)) {
         let seconds = match effect {
-            Effect::Visibility => timings.rows * occluded_share(prepared),
+            Effect::Visibility => timings.rows * occluded_share(computer),
             Effect::ColourBands => {
                 timings.sweeps * (1.0 - columns_read(lamps) as f64 / columns_read(3 * lamps).max(1) as f64)
             }
             Effect::TwoSided => {
-                let backs = prepared.mesh.patches.iter().filter(|p| p.side == Side::Back).count();
+                let backs = mesh.patches.iter().filter(|p| p.side == Side::Back).count();
                 (timings.rows + timings.sweeps) * backs as f64 / patches as f64
             }
             Effect::Textures | Effect::SmoothSurfaces => 0.0,
         };
-        if let Some(decision) = plan.decisions.iter_mut().find(|d| d.effect == effect) {
+        if let Some(decision) = measured.decisions.iter_mut().find(|d| d.effect == effect) {
             decision.measured = Some(Duration::from_secs_f64(seconds.max(0.0)));
         }
     }
-    plan
+    measured
 }
 
 /// The plan of a finished solve with the seconds that each effect took over leaving it out; zero where leaving
 /// it out would not have been faster.
 pub fn effect_costs(solved: &Solved) -> EffectPlan {
-    let Solved { scene, mesh, plan, computer, timings, .. } = solved.clone();
-    measured(&Prepared { scene, mesh, plan, computer, timings }, solved.bases.lamps, &timings)
+    costs((&solved.plan, &solved.mesh, &solved.computer), solved.bases.lamps, &solved.timings)
 }
 
 /// The share of a row's time that finding what hides what takes, 0 to 1.
-fn occluded_share(prepared: &Prepared) -> f64 {
-    let (computer, n) = (&prepared.computer, prepared.mesh.patches.len());
+fn occluded_share(computer: &RowComputer) -> f64 {
+    let n = computer.mesh().patches.len();
     let mut scratch = computer.scratch();
     let [mut with, mut without] = [0.0; 2];
     for k in 0..PROBES.min(n) {

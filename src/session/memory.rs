@@ -2,13 +2,18 @@
 
 use super::PipelineError;
 use crate::form_factors::RowComputer;
-use crate::solver::System;
+use crate::scene::grouped;
+use crate::solver::System as LightSystem;
 use rayon::prelude::*;
+use sysinfo::{ProcessRefreshKind, ProcessesToUpdate, System};
 
 /// Rows that are tried to see what all would take, and form factors of each that are looked at from the other
 /// side.
 const PROBES: usize = 48;
 const MIRRORED: usize = 3;
+/// So few rows are enough where they alone tell that a solve would take this many times the memory there is.
+const FEW_PROBES: usize = 8;
+const HOPELESS: f64 = 1.5;
 /// Of the memory that is free a solve may take this part.
 const MOST_MEMORY: f64 = 0.9;
 
@@ -18,7 +23,14 @@ const MOST_MEMORY: f64 = 0.9;
 /// what is freed in between is not handed back. They hold each pair on both sides even where only one of them
 /// has found the other: with few half-planes and many patches that is almost twice what the rows hold.
 /// Measured: house, 65,536 patches by 48 half-planes, 163 million form factors, 3.3 GB.
-pub(super) fn check_memory(computer: &RowComputer, system: &System) -> Result<(), PipelineError> {
+///
+/// Polls `cancelled` between rows. What is out of the question is refused after a handful of them: in a model
+/// of so many faces a single one may take a second.
+pub(super) fn check_memory(
+    computer: &RowComputer,
+    system: &LightSystem,
+    cancelled: &(dyn Fn() -> bool + Sync),
+) -> Result<(), PipelineError> {
     let n = computer.mesh().patches.len();
     let Some(available) = available_bytes() else { return Ok(()) };
     let columns = system.columns() as f64 * 60.0 + 400.0;
@@ -27,25 +39,23 @@ pub(super) fn check_memory(computer: &RowComputer, system: &System) -> Result<()
         return Ok(());
     }
     let probes: Vec<u32> = (0..PROBES.min(n)).map(|k| (k * n / PROBES.min(n)) as u32).collect();
-    let tried: Vec<[usize; 3]> = probes
-        .par_iter()
-        .map_init(
-            || computer.scratch(),
-            |scratch, &i| {
-                let row = computer.row(i, scratch);
-                let count = row.patches.len();
-                let others =
-                    (0..MIRRORED.min(count)).map(|k| row.patches[(2 * k + 1) * count / (2 * MIRRORED)]);
-                let others: Vec<u32> = others.collect();
-                let mutual = others.iter().filter(|&&j| computer.row(j, scratch).get(i) > 0.0).count();
-                [count, others.len(), mutual]
-            },
-        )
-        .collect();
-    let sum = |what: usize| tried.iter().map(|t| t[what]).sum::<usize>() as f64;
-    let per_row = sum(0) / probes.len().max(1) as f64;
-    let both = 2.0 - sum(2) / sum(1).max(1.0);
-    let needed = n as f64 * (per_row * 8.0 * (1.0 + 2.0 * both) + columns);
+    let bytes = |per_row: f64, sides: f64| n as f64 * (per_row * 8.0 * (1.0 + 2.0 * sides) + columns);
+    let hopeless = || {
+        // Spread over the scene, as the others are.
+        let few =
+            probes.iter().copied().step_by(probes.len().div_ceil(FEW_PROBES).max(1)).collect::<Vec<u32>>();
+        let [entries, ..] = tried(computer, &few, 0, cancelled)?;
+        let least = bytes(entries / few.len() as f64, 1.0);
+        Some(least).filter(|&least| least > HOPELESS * available)
+    };
+    let needed = match hopeless() {
+        Some(least) => least,
+        None => {
+            let [entries, others, mutual] =
+                tried(computer, &probes, MIRRORED, cancelled).ok_or(PipelineError::Cancelled)?;
+            bytes(entries / probes.len().max(1) as f64, 2.0 - mutual / others.max(1.0))
+        }
+    };
     if needed <= MOST_MEMORY * available {
         return Ok(());
     }
@@ -53,15 +63,118 @@ pub(super) fn check_memory(computer: &RowComputer, system: &System) -> Result<()
     let fitting = n as f64 * (MOST_MEMORY * available / needed).sqrt();
     Err(PipelineError::Memory {
         patches: n,
+        whole: computer.mesh().statistics.whole_sides,
         needed_gb: needed / 1e9,
         available_gb: available / 1e9,
         fitting: (fitting / 100.0).floor() as usize * 100,
     })
 }
 
-/// Memory that can be had without swapping, bytes, where the system tells (Linux).
+/// Form factors of these rows; of `mirrored` of each how many were looked at from the other side, and how many
+/// of those are seen from there as well. `None` where it was cancelled.
+fn tried(
+    computer: &RowComputer,
+    rows: &[u32],
+    mirrored: usize,
+    cancelled: &(dyn Fn() -> bool + Sync),
+) -> Option<[f64; 3]> {
+    let found: Option<Vec<[usize; 3]>> = rows
+        .par_iter()
+        .map_init(
+            || computer.scratch(),
+            |scratch, &i| {
+                if cancelled() {
+                    return None;
+                }
+                let row = computer.row(i, scratch);
+                let count = row.patches.len();
+                let others =
+                    (0..mirrored.min(count)).map(|k| row.patches[(2 * k + 1) * count / (2 * mirrored)]);
+                let others: Vec<u32> = others.collect();
+                let mutual = others.iter().filter(|&&j| computer.row(j, scratch).get(i) > 0.0).count();
+                Some([count, others.len(), mutual])
+            },
+        )
+        .collect();
+    let found = found?;
+    Some([0, 1, 2].map(|what| found.iter().map(|t| t[what]).sum::<usize>() as f64))
+}
+
+/// Why the form factors of so many patches cannot be held, and what helps.
+pub(super) fn too_large(
+    patches: usize,
+    whole: usize,
+    [needed_gb, available_gb]: [f64; 2],
+    fitting: usize,
+) -> String {
+    let [patches_told, whole_told, fitting_told] = [patches, whole, fitting].map(|n| grouped(n as i64));
+    let refused = format!(
+        "{patches_told} patches need about {needed_gb:.1} GB for their form factors and this process can have \
+         {available_gb:.1} GB; about {fitting_told} patches would fit"
+    );
+    if fitting > whole {
+        let count = grouped(fitting.saturating_sub(whole) as i64);
+        let besides = if whole > 0 { format!(" (about {count} besides small faces)") } else { String::new() };
+        format!("{refused}: ask for fewer patches{besides} or larger ones")
+    } else {
+        format!(
+            "{refused}, and {whole_told} sides of small faces need one each, whatever number or size is asked for: \
+             simplify or remove what has so many faces (leaves, mouldings, screws)"
+        )
+    }
+}
+
+/// Memory that this process can have without swapping, bytes: what is free in the system, within the limit of
+/// its control group and that of its address space (`ulimit -v`). `None` where the system does not say.
 pub fn available_bytes() -> Option<f64> {
-    let text = std::fs::read_to_string("/proc/meminfo").ok()?;
-    let line = text.lines().find_map(|l| l.strip_prefix("MemAvailable:"))?;
-    line.trim().strip_suffix("kB")?.trim().parse::<f64>().ok().map(|kb| kb * 1024.0)
+    let mut system = System::new().ok()?;
+    system.refresh_memory();
+    let mut limits: Vec<u64> = Some(system.available_memory()).filter(|&free| free > 0).into_iter().collect();
+    if let Ok(own) = sysinfo::get_current_pid() {
+        let what = ProcessRefreshKind::nothing().with_memory().without_tasks();
+        system.refresh_processes_specifics(ProcessesToUpdate::Some(&[own]), false, what);
+        if let Some(process) = system.process(own) {
+            // What files take of a group's memory is given up for others.
+            let group = process.cgroup_limits().map(|g| g.total_memory.saturating_sub(g.rss));
+            let space = address_space().map(|most| most.saturating_sub(process.virtual_memory()));
+            limits.extend(group.into_iter().chain(space));
+        }
+    }
+    limits.into_iter().min().map(|least| least as f64)
+}
+
+/// The most bytes that the process may address, where that is limited.
+#[cfg(target_os = "linux")]
+fn address_space() -> Option<u64> {
+    rustix::process::getrlimit(rustix::process::Resource::As).current
+}
+
+/// Other systems know no such limit, or do not keep to it.
+#[cfg(not(target_os = "linux"))]
+fn address_space() -> Option<u64> {
+    None
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_system_tells_what_is_free() {
+        let free = available_bytes().expect("this system tells");
+        assert!((1e7..1e14).contains(&free), "{free} bytes");
+    }
+
+    #[test]
+    fn advice_is_what_helps() {
+        let told = too_large(60_000, 0, [30.0, 10.0], 34_600);
+        assert!(
+            told.contains("about 34,600 patches would fit: ask for fewer patches or larger ones"),
+            "{told}"
+        );
+        let told = too_large(60_000, 20_000, [30.0, 10.0], 34_600);
+        assert!(told.contains("fewer patches (about 14,600 besides small faces)"), "{told}");
+        let told = too_large(193_099, 190_000, [120.0, 20.0], 78_800);
+        assert!(told.contains("190,000 sides of small faces") && !told.contains("ask for fewer"), "{told}");
+    }
 }

@@ -7,6 +7,7 @@ mod pipeline;
 mod recompute;
 mod threads;
 mod wanted;
+mod watched;
 mod worker;
 
 pub use effect_costs::effect_costs;

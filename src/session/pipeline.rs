@@ -2,12 +2,13 @@
 
 use super::arriving::Arriving;
 use super::effect_costs;
-use super::memory::check_memory;
+use super::memory::{check_memory, too_large};
 use crate::effects::{self, Effect, EffectChoices, EffectPlan};
 use crate::form_factors::{AssembleReport, FormFactors, Method, ReceivingPoints, Row, RowComputer, Sampling};
-use crate::mesh::{self, MeshSettings, PatchMesh, PatchTarget, Refinement};
+use crate::mesh::{self, LightSearch, MeshSettings, PatchMesh, PatchTarget, Refinement, Survey};
 use crate::scene::{Lighting, Scene};
 use crate::solver::{GaussSeidel, LightBases, PatchLight, SweepReport, System};
+use crate::watch::{Cancelled, Watch};
 use glam::DVec3;
 use rayon::prelude::*;
 use std::sync::Arc;
@@ -87,6 +88,8 @@ pub struct Timings {
     pub load: f64,
     /// Splitting into patches.
     pub mesh: f64,
+    /// Of that the survey, which further meshes of the scene need not make again.
+    pub survey: f64,
     /// Deciding effects.
     pub plan: f64,
     /// From the start of the rows until direct light was everywhere; where the light of an earlier solve is
@@ -111,9 +114,9 @@ impl Timings {
 pub struct Progress<'a> {
     /// Where it stands.
     pub stage: Stage,
-    /// Of the whole solve, 0 to 1.
+    /// Of the whole solve, 0 to 1; while a model is read or cut into patches, of that alone.
     pub fraction: f64,
-    /// Estimate of the time left, seconds, once there is one.
+    /// Estimate of the time left of the same, seconds, once there is one.
     pub seconds_left: Option<f64>,
     /// Rows computed and rows in all.
     pub rows: (usize, usize),
@@ -126,7 +129,7 @@ pub struct Progress<'a> {
 
 /// Where a picture on the way is copied from.
 #[derive(Clone, Copy)]
-enum Pictured<'a> {
+pub(super) enum Pictured<'a> {
     Arriving(&'a Arriving),
     Sweeps(&'a GaussSeidel, &'a System),
 }
@@ -168,15 +171,14 @@ pub enum PipelineError {
     Cancelled,
     /// The scene could not be cut into patches.
     #[error(transparent)]
-    Mesh(#[from] mesh::MeshError),
+    Mesh(mesh::MeshError),
     /// The rows would not fit into memory.
-    #[error(
-        "{patches} patches need about {needed_gb:.1} GB for their form factors and {available_gb:.1} GB are free; \
-         about {fitting} patches would fit: choose a larger patch size or fewer patches"
-    )]
+    #[error("{}", too_large(*patches, *whole, [*needed_gb, *available_gb], *fitting))]
     Memory {
         /// Patches asked for.
         patches: usize,
+        /// Of these, sides of faces smaller than a patch, which need one each.
+        whole: usize,
         /// Estimate of the memory needed, GB.
         needed_gb: f64,
         /// Memory free now, GB.
@@ -186,11 +188,28 @@ pub enum PipelineError {
     },
 }
 
+impl From<mesh::MeshError> for PipelineError {
+    fn from(error: mesh::MeshError) -> Self {
+        match error {
+            mesh::MeshError::Cancelled => Self::Cancelled,
+            other => Self::Mesh(other),
+        }
+    }
+}
+
+impl From<Cancelled> for PipelineError {
+    fn from(Cancelled: Cancelled) -> Self {
+        Self::Cancelled
+    }
+}
+
 /// What the solve of a scene rests on: patches, effects and the way to compute rows.
 #[derive(Clone, Debug)]
 pub struct Prepared {
     /// The scene.
     pub scene: Arc<Scene>,
+    /// What further meshes of it can rest on.
+    pub survey: Arc<Survey>,
     /// Its patches.
     pub mesh: Arc<PatchMesh>,
     /// What is simulated.
@@ -254,7 +273,21 @@ impl Solved {
 }
 
 /// Cuts the scene into patches, decides the effects and readies the rows.
+///
+/// # Errors
+/// The scene cannot be cut into patches as the settings say.
 pub fn prepare(scene: Arc<Scene>, settings: &SolveSettings) -> Result<Prepared, PipelineError> {
+    Watch::nobody(|watch| prepare_watched(scene, settings, (None, LightSearch::Full), watch))
+}
+
+/// As [`prepare`]; with the survey of the scene, where there is one, that is not made again, else it is made
+/// by this search.
+pub(super) fn prepare_watched(
+    scene: Arc<Scene>,
+    settings: &SolveSettings,
+    (survey, search): (Option<Arc<Survey>>, LightSearch),
+    watch: &mut Watch<'_>,
+) -> Result<Prepared, PipelineError> {
     let mut timings = Timings::default();
     let clock = Instant::now();
     let mesh_settings = MeshSettings {
@@ -263,7 +296,15 @@ pub fn prepare(scene: Arc<Scene>, settings: &SolveSettings) -> Result<Prepared, 
         textures: !settings.effects.without.contains(&Effect::Textures),
         refinement: settings.refinement.clone(),
     };
-    let mesh = Arc::new(mesh::build(&scene, &mesh_settings)?);
+    let (survey, mut cutting) = match survey.filter(|survey| survey.serves(&mesh_settings)) {
+        Some(survey) => (survey, watch.part(0.0, 1.0)),
+        None => {
+            let survey = Survey::new(&scene, &mesh_settings, search, &mut watch.part(0.0, SURVEYED))?;
+            timings.survey = clock.elapsed().as_secs_f64();
+            (Arc::new(survey), watch.part(SURVEYED, 1.0))
+        }
+    };
+    let mesh = Arc::new(mesh::build_on(&survey, &scene, &mesh_settings, &mut cutting)?);
     timings.mesh = clock.elapsed().as_secs_f64();
 
     let clock = Instant::now();
@@ -271,7 +312,7 @@ pub fn prepare(scene: Arc<Scene>, settings: &SolveSettings) -> Result<Prepared, 
     timings.plan = clock.elapsed().as_secs_f64();
     let visibility = plan.is_on(Effect::Visibility);
     let computer = Arc::new(RowComputer::new(mesh.clone(), settings.sampling(), visibility));
-    Ok(Prepared { scene, mesh, plan, computer, timings })
+    Ok(Prepared { scene, survey, mesh, plan, computer, timings })
 }
 
 /// Reflectance of every patch with some materials changed: `material(index)` gives the new one.
@@ -290,7 +331,7 @@ pub fn patch_reflectance(mesh: &PatchMesh, material: &dyn Fn(u32) -> Option<[f64
 /// Runs the parts of a solve and tells an observer how it goes.
 pub struct Run<'a> {
     observer: &'a mut dyn FnMut(Progress<'_>) -> Control,
-    cancel: &'a AtomicBool,
+    pub(super) cancel: &'a AtomicBool,
     /// Seconds by stage so far.
     pub timings: Timings,
     last_news: Option<Instant>,
@@ -298,17 +339,21 @@ pub struct Run<'a> {
 }
 
 /// The seconds of a stage, less those that it rested.
-struct Clock {
+pub(super) struct Clock {
     started: Instant,
     rested: Duration,
 }
 
 impl Clock {
-    fn seconds(&self, run: &Run<'_>) -> f64 {
+    pub(super) fn seconds(&self, run: &Run<'_>) -> f64 {
         self.started.elapsed().saturating_sub(run.rested - self.rested).as_secs_f64()
     }
 }
 
+/// Of the time of meshing a survey takes about this share.
+const SURVEYED: f64 = 0.9;
+/// Sweeps take so much of the time of the rows, about.
+const SWEEPS: f64 = 0.05;
 /// News comes no more often than this.
 const NEWS_EVERY: Duration = Duration::from_millis(80);
 
@@ -322,11 +367,11 @@ impl<'a> Run<'a> {
         Self { observer, cancel, timings, last_news: None, rested: Duration::ZERO }
     }
 
-    fn clock(&self) -> Clock {
+    pub(super) fn clock(&self) -> Clock {
         Clock { started: Instant::now(), rested: self.rested }
     }
 
-    fn tell(
+    pub(super) fn tell(
         &mut self,
         stage: Stage,
         rows: (usize, usize),
@@ -373,7 +418,8 @@ impl<'a> Run<'a> {
         let before = if left_to_compute < n { self.timings.rows } else { 0.0 };
         let clock = self.clock();
         if left_to_compute == n {
-            check_memory(computer, system)?;
+            let cancel = self.cancel;
+            check_memory(computer, system, &|| cancel.load(Ordering::Relaxed))?;
             self.timings.first_light = 0.0;
         }
         known.resize(n, None);
@@ -442,12 +488,13 @@ impl<'a> Run<'a> {
     ) -> Result<(FormFactors, AssembleReport), PipelineError> {
         let clock = self.clock();
         let n = rows.len();
-        let left = Some(0.1 * self.timings.rows);
-        self.tell(Stage::Balancing, (n, n), (0.9, left), &[], None, true)?;
-        let cancel = self.cancel;
-        let assembled = FormFactors::assemble(&prepared.computer, rows, &|| cancel.load(Ordering::Relaxed));
+        let sweeps = SWEEPS * self.timings.rows;
+        self.tell(Stage::Balancing, (n, n), (0.9, Some(2.0 * sweeps)), &[], None, true)?;
+        let assembled = self.watched(Stage::Balancing, (n, n), ([0.9, 0.95], sweeps), |watch| {
+            FormFactors::assemble(&prepared.computer, rows, watch)
+        });
         self.timings.balance = clock.seconds(self);
-        assembled.ok_or(PipelineError::Cancelled)
+        Ok(assembled?)
     }
 
     /// Sweeps from `start` to the tolerance.
@@ -499,9 +546,7 @@ pub fn solve(
     observer: &mut dyn FnMut(Progress<'_>) -> Control,
 ) -> Result<Solved, PipelineError> {
     let mut run = Run::new(observer, cancel, Timings::default());
-    run.tell(Stage::Meshing, (0, 0), (0.0, None), &[], None, true)?;
-    let prepared = prepare(scene, settings)?;
-    run.timings = prepared.timings;
+    let prepared = run.prepare(scene, settings, (None, LightSearch::Full))?;
     let reflectance = patch_reflectance(&prepared.mesh, &|_| None);
     let system = system(&prepared, &reflectance);
     let (mut rows, start) = run.rows(&prepared, &system, None, &mut Vec::new())?;

@@ -1,15 +1,15 @@
 use super::effect_costs;
 use super::pipeline::{
     Control, PipelineError, Prepared, Progress, Run, SolveSettings, Solved, Stage, Timings,
-    patch_reflectance, prepare, system,
+    patch_reflectance, system,
 };
 use super::recompute::{Recompute, same_geometry};
 use super::threads;
 use super::wanted::{Edits, Wanted};
 use crate::effects::EffectPlan;
 use crate::form_factors::{AssembleReport, FormFactors, Row, RowComputer};
-use crate::mesh::PatchMesh;
-use crate::scene::{self, Scene, SceneSource};
+use crate::mesh::{LightSearch, PatchMesh};
+use crate::scene::{Scene, SceneError, SceneSource};
 use crate::solver::{LightBases, SweepReport};
 use rayon::ThreadPool;
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -38,9 +38,9 @@ pub struct Snapshot {
     pub stage: Stage,
     /// Asked to pause; rows and sweeps rest.
     pub paused: bool,
-    /// Of the whole solve, 0 to 1.
+    /// Of the whole solve, 0 to 1; while a model is read or cut into patches, of that alone.
     pub fraction: f64,
-    /// Estimate of the time left, seconds.
+    /// Estimate of the time left of the same, seconds.
     pub seconds_left: Option<f64>,
     /// Rows computed and rows in all.
     pub rows: (usize, usize),
@@ -418,10 +418,8 @@ impl Worker<'_> {
     fn take_up(&mut self, wanted: &Wanted, todo: &mut Recompute) -> Result<(), Failure> {
         if todo.scene {
             let source = wanted.source.as_ref().ok_or(Failure::Cancelled)?;
-            self.publish(Stage::Loading);
-            let clock = Instant::now();
-            let scene = Arc::new(scene::load(source).map_err(|error| Failure::Said(error.to_string()))?);
-            let load = clock.elapsed().as_secs_f64();
+            let scene = Arc::new(self.with_run(|run| run.load(source))?);
+            let load = self.snapshot.timings.load;
             self.check_cancel()?;
             self.prepare(scene, wanted, todo, Timings { load, ..Timings::default() })
         } else if todo.mesh {
@@ -460,8 +458,9 @@ impl Worker<'_> {
         todo: &mut Recompute,
         timings: Timings,
     ) -> Result<(), Failure> {
-        self.publish(Stage::Meshing);
-        let prepared = prepare(scene.clone(), &wanted.settings)?;
+        let before = self.state.prepared.as_ref().filter(|old| Arc::ptr_eq(&old.scene, &scene));
+        let survey = (before.map(|old| old.survey.clone()), LightSearch::Full);
+        let prepared = self.with_run(|run| run.prepare(scene.clone(), &wanted.settings, survey))?;
         self.check_cancel()?;
         let same = !todo.method
             && self.state.prepared.as_ref().is_some_and(|old| same_geometry(&old.mesh, &prepared.mesh));
@@ -480,8 +479,8 @@ impl Worker<'_> {
         self.state.bases = light.map(Arc::new);
         self.state.scene = Some(scene.clone());
         self.snapshot.timings = timings;
-        self.snapshot.timings.mesh = prepared.timings.mesh;
-        self.snapshot.timings.plan = prepared.timings.plan;
+        (self.snapshot.timings.mesh, self.snapshot.timings.plan) =
+            (prepared.timings.mesh, prepared.timings.plan);
         self.snapshot.scene = Some(scene);
         self.snapshot.mesh = Some(prepared.mesh.clone());
         self.snapshot.plan = Some(prepared.plan.clone());
@@ -503,9 +502,9 @@ impl Worker<'_> {
     }
 
     /// Runs a part of the pipeline, publishing its progress and resting while paused.
-    fn with_run<T>(
+    fn with_run<T, E: Into<Failure>>(
         &mut self,
-        part: impl FnOnce(&mut Run<'_>) -> Result<T, PipelineError>,
+        part: impl FnOnce(&mut Run<'_>) -> Result<T, E>,
     ) -> Result<T, Failure> {
         let shared = self.shared.clone();
         let timings = self.snapshot.timings;
@@ -528,7 +527,7 @@ impl Worker<'_> {
         let result = part(&mut run);
         let timings = run.timings;
         self.snapshot.timings = timings;
-        Ok(result?)
+        result.map_err(E::into)
     }
 
     /// Waits while the user wants it to rest; how long that was.
@@ -562,6 +561,15 @@ enum Failure {
     Said(String),
     /// The present scene stands whole, at this stage.
     Refused(Stage),
+}
+
+impl From<SceneError> for Failure {
+    fn from(error: SceneError) -> Self {
+        match error {
+            SceneError::Cancelled => Self::Cancelled,
+            other => Self::Said(other.to_string()),
+        }
+    }
 }
 
 impl From<PipelineError> for Failure {

@@ -23,6 +23,8 @@ pub struct Measured {
     pub timings: Timings,
     /// Stored form factors.
     pub entries: f64,
+    /// Of the patches those of faces smaller than a patch, which any mesh has besides a number asked for.
+    pub whole: f64,
     /// Right-hand sides: bands of each lamp.
     pub columns: f64,
     /// What work costs on this machine.
@@ -94,6 +96,7 @@ impl Measured {
             fineness: Fineness { patches: solved.mesh.patches.len() as f64, lines: f64::from(lines) },
             timings: solved.timings,
             entries: solved.form_factors.entries() as f64,
+            whole: solved.mesh.statistics.whole_sides as f64,
             columns: (solved.bases.lamps * solved.bases.bands) as f64,
             pace,
             shadowed: solved.assembled.several_points as f64 / solved.mesh.patches.len().max(1) as f64,
@@ -140,10 +143,19 @@ impl CostModel {
         let t = &base.timings;
         let further = base.pace.gathering * MESH * (wanted.patches - base.fineness.patches);
         Some(
-            (t.mesh + t.plan + further).max(0.0)
+            // The scene is surveyed once.
+            (t.mesh - t.survey + t.plan + further).max(0.0)
                 + t.rows * patches.powf(1.0 + ROW_GROWTH) * lines
                 + self.rest(wanted.patches, self.entries(wanted)?)?,
         )
+    }
+
+    /// The number of patches to ask for, to get a mesh of this fineness: small faces come on top.
+    pub fn count(&self, wanted: Fineness) -> usize {
+        /// At least this part is asked for: finer meshes leave fewer faces whole.
+        const LEAST: f64 = 0.1;
+        let whole = self.measured.last().map_or(0.0, |m| m.whole);
+        (wanted.patches - whole).max(LEAST * wanted.patches) as usize
     }
 
     /// Form factors of a solve of this fineness.
@@ -284,6 +296,7 @@ impl Measured {
             fineness: Fineness { patches, lines },
             timings: Timings { rows: 1.0, balance: 0.5, sweeps: 0.5, ..Timings::default() },
             entries: 1e6,
+            whole: 0.0,
             columns: 3.0,
             pace: Pace { overhead: 24.0, gathering: 1e-9 },
             shadowed: 0.0,
@@ -363,6 +376,18 @@ mod tests {
         let best = fine.best_within(1e9, room).unwrap();
         assert!(best.lines > 48.0 && best.lines < 512.0, "{best:?}");
         assert!(fine.gigabytes(best).unwrap() <= 3.9 && fine.best_within(1e9, LIMITS).unwrap().lines > 512.0);
+    }
+
+    #[test]
+    fn small_faces_and_the_survey_of_the_scene_are_paid_for_once() {
+        let mut model = CostModel::default();
+        let timings = Timings { mesh: 30.0, survey: 28.0, rows: 4.0, ..Timings::default() };
+        model.learn(Measured { whole: 5000.0, timings, ..Measured::example(6000.0, 48.0, [0.02, 0.05]) });
+        let at = |patches: f64| Fineness { patches, lines: 48.0 };
+        assert_eq!(model.count(at(8000.0)), 3000);
+        assert_eq!(model.count(at(5100.0)), 510, "some patches are asked for in any case");
+        let again = model.seconds(at(6000.0)).unwrap();
+        assert!((6.0..10.0).contains(&again), "meshed anew on the survey: {again} s");
     }
 
     #[test]

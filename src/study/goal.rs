@@ -4,20 +4,17 @@
 use super::audited::audit;
 use super::cost::{CostModel, Fineness, Limits, Measured};
 use super::refine::refined;
-use super::trial::{pace, trial};
+use super::trial::pace;
+use super::until::{Known, Outcome, solve_until};
 use crate::accuracy::{AuditSettings, ErrorBudget};
 use crate::effects::EffectChoices;
-use crate::form_factors::{AssembleReport, FormFactors, Method, ReceivingPoints};
-use crate::mesh::{PatchTarget, Refinement};
+use crate::form_factors::{Method, ReceivingPoints};
+use crate::mesh::{PatchMesh, PatchTarget, Refinement};
 use crate::scene::{Lighting, Scene};
 use crate::session::{
-    Control, PipelineError, Progress, Run, SolveSettings, Solved, Stage, available_bytes, effect_costs,
-    patch_reflectance, prepare, system,
+    Control, PipelineError, Progress, SolveSettings, Solved, available_bytes, effect_costs,
 };
-use crate::solver::LightBases;
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::mpsc::{RecvTimeoutError, channel};
 use std::time::{Duration, Instant};
 
 /// What a solve is to reach.
@@ -91,12 +88,13 @@ pub const TIME_AIM: f64 = 0.7;
 const GAIN: f64 = 0.8;
 /// Noise that the shares of area may have of rays in these audits, which a user waits for.
 const QUICK_NOISE: f64 = 0.02;
-/// Where no mesh in memory promises the error, one more solve of so many seconds is made.
+/// Where no mesh in memory promises the error, further solves take so many seconds, or as long as was spent on
+/// those before.
 pub const CONSOLATION: f64 = 60.0;
 /// Patches never exceed this.
 pub const MOST_PATCHES: f64 = 400_000.0;
-/// A solve that has so many times the patches asked for has as few as the scene allows.
-pub const COARSEST: f64 = 1.5;
+/// A mesh that has so many times the patches asked for, besides small faces, has as few as the scene allows.
+const COARSEST: f64 = 1.5;
 /// Of the memory that is free form factors may take this part.
 const MEMORY_SHARE: f64 = 0.7;
 /// Where the system does not tell how much is free, GB.
@@ -138,15 +136,16 @@ pub fn reach(
     // By how much smaller the next solve is to be than the time would allow.
     let mut share = 1.0;
     let mut obstacle = None;
-    let mut is_last = false;
+    let mut survey = None;
 
     while attempts.len() < MOST_SOLVES {
-        let settings = settings_of(next, goal, effects, refinement.clone());
+        let settings = settings_of(&model, next, goal, effects, refinement.clone());
         let clock = Instant::now();
         let foreseen = model.seconds(next);
         let foreseen_error = model.error(next);
         let before = best.as_ref().map(|(solved, ..)| solved);
-        let solve = solve_until(scene.clone(), &settings, deadline, before, &model, observer);
+        let known = Known { before, survey: survey.take(), model: &model };
+        let solve = solve_until(scene.clone(), &settings, deadline, known, &mut survey, observer);
         let (solved, complete) = match solve {
             Ok(Outcome::Whole(solved)) => (*solved, true),
             Ok(Outcome::Part(solved)) => (*solved, false),
@@ -222,8 +221,8 @@ pub fn reach(
         let known = model.measured().last().map(|m| m.pace);
         let pace = known.unwrap_or_else(|| pace(&solved, lines));
         model.learn(Measured::of(&solved, lines, pace, budget.as_ref()));
-        if attempts.len() == 1 && solved.mesh.patches.len() as f64 > COARSEST * next.patches {
-            limits.fewest = solved.mesh.patches.len() as f64;
+        if attempts.len() == 1 {
+            limits.fewest = fewest(&solved.mesh, next.patches);
         }
         if best.as_ref().is_none_or(|(_, _, old)| !is_worse(budget.as_ref(), old.as_ref())) {
             best = Some((solved, settings, budget));
@@ -244,17 +243,14 @@ pub fn reach(
                 let shortfall = foreseen_error.map_or(1.0, |f| (f / budget.total.error).clamp(0.9, 1.0));
                 match model.cheapest(aim(&model) * error * shortfall, limits) {
                     Some(fineness) if is_finer_than_last(&model, fineness) => next = model.towards(fineness),
-                    // Out of reach; then for what can be had in a moderate time, once.
-                    _ if !is_last => {
-                        obstacle = Some(too_fine(&model, limits));
-                        let Some(fineness) = better_within(&model, CONSOLATION, limits) else { break };
-                        // On the way there a step in between tells where patches are needed.
-                        next = model.towards(fineness);
-                        is_last = next == fineness;
-                    }
+                    // Out of reach as far as is known; then as near as memory allows, by steps that take no
+                    // more than a moderate time, or than what has been spent.
                     _ => {
                         obstacle = Some(too_fine(&model, limits));
-                        break;
+                        let moderate = CONSOLATION.max(started.elapsed().as_secs_f64());
+                        let Some(fineness) = better_within(&model, moderate, limits) else { break };
+                        // On the way there a step in between tells where patches are needed.
+                        next = model.towards(fineness);
                     }
                 }
             }
@@ -276,6 +272,12 @@ pub fn reach(
 /// The part of the error asked for that the next solve is to aim at.
 pub fn aim(model: &CostModel) -> f64 {
     AIM[usize::from(model.knows_its_power())]
+}
+
+/// The fewest patches that any mesh of a scene has, as this one tells, for which `asked` were asked for.
+pub fn fewest(mesh: &PatchMesh, asked: f64) -> f64 {
+    let (patches, whole) = (mesh.patches.len() as f64, mesh.statistics.whole_sides as f64);
+    if patches - whole > COARSEST * asked { patches } else { whole.max(1.0) }
 }
 
 /// Whether this is finer than the last solve was. What that had asked for does not matter: a mesh may be
@@ -311,6 +313,7 @@ fn too_fine(model: &CostModel, limits: Limits) -> String {
 ///
 /// `refinement` says where patches are to be smaller than elsewhere.
 pub fn settings_of(
+    model: &CostModel,
     fineness: Fineness,
     goal: Goal,
     effects: &EffectChoices,
@@ -322,7 +325,7 @@ pub fn settings_of(
         Goal::Seconds(_) => 1e-3,
     };
     SolveSettings {
-        patches: PatchTarget::Count(fineness.patches as usize),
+        patches: PatchTarget::Count(model.count(fineness)),
         refinement,
         method: Method::Lines,
         resolution: Some(fineness.lines as u32),
@@ -402,122 +405,6 @@ fn unfinished(
         attempts,
         model,
         seconds,
-    }
-}
-
-enum Outcome {
-    /// All of it.
-    Whole(Box<Solved>),
-    /// The light of the rows that there was time for; no form factors.
-    Part(Box<Solved>),
-    /// Given up before its rows, since it would not end in time.
-    TooLong,
-}
-
-/// Solves, and gives up in time for `deadline`. With the solve `before` to fall back on, whose light it
-/// refines, it does not even begin its rows where a trial of some says that they would take too long.
-fn solve_until(
-    scene: Arc<Scene>,
-    settings: &SolveSettings,
-    deadline: Option<Instant>,
-    before: Option<&Solved>,
-    model: &CostModel,
-    observer: &mut dyn FnMut(News<'_>) -> Control,
-) -> Result<Outcome, PipelineError> {
-    let has_another = before.is_some();
-    let lines = settings.resolution.unwrap_or(settings.method.default_resolution());
-    let prepared = prepare(scene, settings)?;
-    let left = |d: Instant| d.saturating_duration_since(Instant::now()).as_secs_f64();
-    let meshed = prepared.timings.mesh + prepared.timings.plan;
-    if let Some(deadline) = deadline
-        && has_another
-        && model
-            .seconds_of(&prepared, &trial(&prepared, lines))
-            .is_some_and(|s| s - meshed > 0.95 * left(deadline))
-    {
-        return Ok(Outcome::TooLong);
-    }
-    let reflectance = patch_reflectance(&prepared.mesh, &|_| None);
-    let system = system(&prepared, &reflectance);
-    let cancel = AtomicBool::new(false);
-    // Whatever the time: the first picture is waited for.
-    let has_picture = AtomicBool::new(has_another);
-    let mut so_far: Option<LightBases> = None;
-    let mut cancelled_by_observer = false;
-    let mut keep = |progress: Progress<'_>| {
-        let early = matches!(progress.stage, Stage::FirstLight | Stage::Rows);
-        if deadline.is_some()
-            && early
-            && !has_another
-            && let Some(picture) = progress.picture()
-        {
-            so_far = Some(picture);
-            has_picture.store(true, Ordering::Relaxed);
-        }
-        let answer = observer(News::Solving(&progress));
-        cancelled_by_observer |= answer == Control::Cancel;
-        answer
-    };
-    let finished = std::thread::scope(|scope| {
-        // The thread ends when its sender is dropped, or at the deadline.
-        let (alive, ended) = channel::<()>();
-        if let Some(deadline) = deadline {
-            let (cancel, has_picture) = (&cancel, &has_picture);
-            scope.spawn(move || {
-                let wait = deadline.saturating_duration_since(Instant::now());
-                let mut waited = ended.recv_timeout(wait);
-                while waited == Err(RecvTimeoutError::Timeout) && !has_picture.load(Ordering::Relaxed) {
-                    waited = ended.recv_timeout(Duration::from_millis(2));
-                }
-                if waited == Err(RecvTimeoutError::Timeout) {
-                    cancel.store(true, Ordering::Relaxed);
-                }
-            });
-        }
-        let mut run = Run::new(&mut keep, &cancel, prepared.timings);
-        let outcome = (|| {
-            let standing = before.and_then(|b| b.bases.carried(&b.mesh, &prepared.mesh));
-            let (mut rows, start) = run.rows(&prepared, &system, standing, &mut Vec::new())?;
-            let (form_factors, assembled) = run.assemble(&prepared, &mut rows)?;
-            let (bases, sweeps) =
-                run.sweeps(&prepared, &form_factors, &system, Some(&start), settings.tolerance)?;
-            Ok((form_factors, assembled, bases, sweeps))
-        })();
-        let timings = run.timings;
-        drop(alive);
-        outcome.map(|parts| (parts, timings))
-    });
-    let timings = prepared.timings;
-    let solved = |form_factors: FormFactors, assembled: AssembleReport, bases: LightBases| Solved {
-        scene: prepared.scene.clone(),
-        mesh: prepared.mesh.clone(),
-        plan: prepared.plan.clone(),
-        computer: prepared.computer.clone(),
-        form_factors: Arc::new(form_factors),
-        assembled,
-        bases: Arc::new(bases),
-        reflectance: Arc::new(reflectance.iter().map(|r| r.map(|b| b as f32)).collect()),
-        sweeps: Vec::new(),
-        timings,
-    };
-    match finished {
-        Ok(((form_factors, assembled, bases, sweeps), timings)) => {
-            let solved = Solved { sweeps, timings, ..solved(form_factors, assembled, bases) };
-            Ok(Outcome::Whole(Box::new(solved)))
-        }
-        Err(PipelineError::Cancelled) if cancel.load(Ordering::Relaxed) && !cancelled_by_observer => {
-            if has_another {
-                return Ok(Outcome::TooLong);
-            }
-            let bases = so_far.unwrap_or(LightBases {
-                patches: system.patches(),
-                lamps: system.lamps,
-                bands: system.bands,
-                values: vec![0.0; system.patches() * system.columns()],
-            });
-            Ok(Outcome::Part(Box::new(solved(FormFactors::default(), AssembleReport::default(), bases))))
-        }
-        Err(error) => Err(error),
     }
 }
 

@@ -12,12 +12,13 @@ mod refine;
 mod sweep;
 pub mod table;
 mod trial;
+mod until;
 
 pub use audited::{audit, shown};
 pub use chart::chart;
 pub use cost::{CostModel, Fineness, Limits, Measured};
 pub use goal::{
-    Attempt, COARSEST, CONSOLATION, Goal, MOST_PATCHES, News, Reached, TIME_AIM, aim, better_within, memory,
+    Attempt, CONSOLATION, Goal, MOST_PATCHES, News, Reached, TIME_AIM, aim, better_within, fewest, memory,
     reach, settings_of,
 };
 pub use points::{PointErrors, points};

@@ -292,11 +292,8 @@ impl Auditor {
         let known = self.model.measured().last().map(|m| m.pace);
         self.is_taught = lines_of(settings).is_some();
         if let (Some(lines), Some(pace)) = (lines_of(settings), pace.or(known)) {
-            let patches = solved.mesh.patches.len() as f64;
-            if let (PatchTarget::Count(wanted), None) = (settings.patches, &settings.refinement)
-                && patches > study::COARSEST * wanted as f64
-            {
-                self.limits.fewest = patches;
+            if let (PatchTarget::Count(wanted), None) = (settings.patches, &settings.refinement) {
+                self.limits.fewest = study::fewest(&solved.mesh, wanted as f64);
             }
             self.model.learn(Measured::of(&solved, lines, pace, Some(&budget)));
             self.draw_curve();

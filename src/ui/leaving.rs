@@ -191,7 +191,7 @@ impl App {
             ui.set_max_width(400.0);
             ui.label(RichText::new(format!("Save the changes to {}?", scene.name)).heading());
             ui.label(
-                RichText::new(format!("Changed: {changes}. Saved to {sidecar}, beside the model."))
+                RichText::new(format!("Changed: {changes}. Saving writes {sidecar} beside the model."))
                     .color(theme::TEXT_WEAK),
             );
             ui.add_space(6.0);

@@ -14,22 +14,19 @@ pub(super) struct Way {
     pub(super) since: Instant,
     /// Solves asked for.
     pub(super) steps: u32,
-    /// The goal is out of reach, and the last of them is for what can be had in a moderate time.
-    pub(super) is_last: bool,
 }
 
 impl Way {
     pub(super) fn new() -> Self {
-        Self { since: Instant::now(), steps: 0, is_last: false }
+        Self { since: Instant::now(), steps: 0 }
     }
 }
 
 impl Auditor {
     /// The next solve towards the goal, if one is asked for and the last was not enough.
     pub(super) fn step(&mut self, budget: &ErrorBudget, now: &SolveSettings) -> Option<SolveSettings> {
-        let (steps, is_last) = self.way.as_ref().map(|way| (way.steps, way.is_last))?;
+        let steps = self.way.as_ref().map(|way| way.steps)?;
         let error = format!("{:.2} %", 100.0 * budget.total.error);
-        let mut will_be_last = is_last;
         let wanted = match self.goal {
             Goal::Error(asked) => {
                 if budget.total.error <= asked {
@@ -37,12 +34,10 @@ impl Auditor {
                     return None;
                 }
                 let promised = self.model.cheapest(study::aim(&self.model) * asked, self.limits);
-                // Out of reach; once, then, for what can be had in a moderate time.
-                let moderate = || study::better_within(&self.model, study::CONSOLATION, self.limits);
-                let far = promised.or_else(|| moderate().filter(|_| !is_last));
-                let next = far.map(|f| self.model.towards(f));
-                will_be_last |= promised.is_none() && next == far;
-                next
+                // Out of reach as far as is known; then as near as memory allows, by steps of moderate time.
+                let moderate = study::CONSOLATION.max(self.elapsed());
+                let near = || study::better_within(&self.model, moderate, self.limits);
+                promised.or_else(near).map(|f| self.model.towards(f))
             }
             Goal::Seconds(seconds) => {
                 let elapsed = self.elapsed();
@@ -69,13 +64,14 @@ impl Auditor {
             });
             return None;
         };
-        let settings = study::settings_of(fineness, self.goal, &now.effects, self.refinement.clone());
+        let settings =
+            study::settings_of(&self.model, fineness, self.goal, &now.effects, self.refinement.clone());
         if settings == *now {
             self.end("This is the best choice already".to_owned());
             return None;
         }
         if let Some(way) = &mut self.way {
-            (way.steps, way.is_last) = (steps + 1, will_be_last);
+            way.steps = steps + 1;
         }
         Some(settings)
     }

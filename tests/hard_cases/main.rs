@@ -4,6 +4,7 @@
 #[path = "../common/mod.rs"]
 mod common;
 mod beside_lamps;
+mod furniture;
 mod geometry;
 mod laws;
 mod orientation;

@@ -69,9 +69,7 @@ fn solve_state(ui: &mut egui::Ui, model: &Model<'_>) {
     let verdict = super::verdict::of(model);
     let mut text = verdict.line();
     if is_running(model.snapshot.stage) {
-        if let Some(fraction) = fraction_of(model.snapshot) {
-            text += &format!("  {:.0} %", 100.0 * fraction);
-        }
+        text += &format!("  {:.0} %", 100.0 * fraction_of(model.snapshot));
         if let Some(left) = super::solver::time_left(model.snapshot) {
             text += &format!("  {}", units::duration(left));
         }

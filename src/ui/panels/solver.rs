@@ -47,10 +47,9 @@ pub(in crate::ui) fn pause(snapshot: &Snapshot) -> (&'static str, &'static str, 
     (name, tip, is_live.then_some(Command::Pause(rest)))
 }
 
-/// How far the solve has come, 0 to 1; `None` while a scene is read and cut, which takes as long as it takes.
-pub(in crate::ui) fn fraction_of(snapshot: &Snapshot) -> Option<f64> {
-    let is_known = !matches!(snapshot.stage, Stage::Loading | Stage::Meshing);
-    is_known.then(|| snapshot.fraction.clamp(0.0, 1.0))
+/// How far the solve has come, 0 to 1, or the reading and meshing before it.
+pub(in crate::ui) fn fraction_of(snapshot: &Snapshot) -> f64 {
+    snapshot.fraction.clamp(0.0, 1.0)
 }
 
 /// Seconds that the solve will still take, where it runs and they are worth a number.
@@ -90,7 +89,7 @@ pub(in crate::ui) fn show(ui: &mut egui::Ui, model: &Model<'_>, out: &mut Comman
             }
         });
     });
-    let bar = ProgressBar::new(fraction_of(snapshot).unwrap_or(0.0) as f32).desired_height(8.0);
+    let bar = ProgressBar::new(fraction_of(snapshot) as f32).desired_height(8.0);
     ui.add(bar.fill(if running { theme::ACCENT } else { Color32::from_gray(80) }));
     numbers(ui, snapshot, model.power);
     residual_plot(ui, &snapshot.sweeps);

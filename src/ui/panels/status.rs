@@ -21,7 +21,13 @@ pub(in crate::ui) fn show(ui: &mut egui::Ui, model: &Model<'_>) {
         });
         if let Some(mesh) = model.mesh {
             ui.separator();
-            ui.label(weak(format!("{} patches", units::count(mesh.patches.len()))));
+            // More than were asked for are explained where the number stands.
+            let excess = mesh.statistics.excess();
+            let mark = if excess.is_some() { " (why so many?)" } else { "" };
+            let told = ui.label(weak(format!("{} patches{mark}", units::count(mesh.patches.len()))));
+            if let Some(excess) = excess {
+                told.on_hover_text(excess);
+            }
         }
         if let Some(memory) = model.memory {
             ui.separator();
