@@ -422,11 +422,15 @@ fn numbers<'a, const N: usize>(
 
 #[cfg(test)]
 mod tests {
-    use super::super::polygons::parse;
+    use super::super::polygons;
     use super::*;
 
+    fn scanned(text: &str) -> Result<Scan, SceneError> {
+        Watch::nobody(|watch| scan("t.obj", "t", text, watch))
+    }
+
     fn read(text: &str) -> Result<(Obj, Vec<String>), SceneError> {
-        let scan = Watch::nobody(|watch| scan("t.obj", "t", text, watch))?;
+        let scan = scanned(text)?;
         let names = scan.materials.clone();
         Watch::nobody(|watch| polygons::parse("t.obj", scan, watch)).map(|obj| (obj, names))
     }
@@ -495,7 +499,7 @@ mod tests {
         let lines = "vt 0 0\nvt nan 0\nvt\nvt 2e9 0\nvn 0 zero 1\nvn 0 0 1\nMTLLIB\n";
         let faces = "f 1/1 2/1 3/9\nf 1//2 2//2 3//-7\nf 1/1/2 2/1/2 3/x/2\nf 1/2 2/1 3/1\nF 1/1 2/1 3/1\n";
         let text = format!("{SQUARE}{lines}{faces}");
-        let found = scan("t.obj", "t", &text).unwrap().findings;
+        let found = scanned(&text).unwrap().findings;
         for (message, count) in [
             ("texture coordinates that are not there have none (2, lines 12, 14)", 2),
             ("vertex normals that are not there have none (1, line 13)", 1),
@@ -529,7 +533,7 @@ mod tests {
     fn colours_of_corners_are_named() {
         let coloured = "v 0 0 0 1 0 0\nv 1 0 0 0 1 0\nv 1 1 0 1.0\nf 1 2 3\n";
         let level = |text: &str| {
-            let scan = scan("t.obj", "t", text).unwrap();
+            let scan = scanned(text).unwrap();
             let found = scan.findings.iter().find(|f| f.message.contains("colours of corners"));
             found.map(|f| (f.severity, f.count))
         };
@@ -541,7 +545,7 @@ mod tests {
     #[test]
     fn short_faces_and_unknown_words_are_counted() {
         let text = format!("{SQUARE}f 1 2\nf 1\nf 1 2 3\ncurv2 1 2 3\n");
-        let scan = Watch::nobody(|watch| scan("t.obj", "t", &text, watch)).unwrap();
+        let scan = scanned(&text).unwrap();
         assert_eq!(scan.marks.len(), 1);
         assert_eq!(scan.findings[0].count, 2);
         assert!(scan.findings[0].message.contains("(2, lines 5, 6)"), "{}", scan.findings[0].message);
