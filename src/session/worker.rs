@@ -403,11 +403,15 @@ impl Worker<'_> {
     /// Reads and meshes what is wanted, where that is called for. What is refused is struck off the wish, and
     /// what is left of it holds for the present scene.
     fn renew(&mut self, wanted: &mut Wanted) -> Result<Recompute, Failure> {
+        let Snapshot { fraction, seconds_left, rows, timings, .. } = self.snapshot;
         loop {
             let mut todo = Recompute::between(&self.state, wanted);
             match self.take_up(wanted, &mut todo) {
                 Ok(()) => return Ok(todo),
                 Err(Failure::Said(sentence)) if self.state.prepared.is_some() => {
+                    // How far that had come is nothing to the present scene.
+                    (self.snapshot.fraction, self.snapshot.seconds_left) = (fraction, seconds_left);
+                    (self.snapshot.rows, self.snapshot.timings) = (rows, timings);
                     self.give_up(wanted, todo, sentence);
                 }
                 Err(other) => return Err(other),
@@ -521,7 +525,11 @@ impl Worker<'_> {
                 self.snapshot.unshot = progress.unshot().map(Arc::new);
             }
             self.publish(progress.stage);
-            Control::Rested(self.rest_while_paused(progress.stage))
+            // A scene is read and cut all the same: there is to be something to look at.
+            match progress.stage {
+                Stage::Loading | Stage::Meshing => Control::Continue,
+                stage => Control::Rested(self.rest_while_paused(stage)),
+            }
         };
         let mut run = Run::new(&mut observer, &shared.cancel, timings);
         let result = part(&mut run);
