@@ -5,7 +5,7 @@ mod common;
 
 use common::{close, lines, solved};
 use glam::{DVec3, dvec3};
-use lumenwalk::mesh::PatchTarget;
+use lumenwalk::mesh::{self, Backs, MeshSettings, PatchTarget};
 use lumenwalk::scene::{
     FindingKind, LengthUnit, Scene, SceneSource, Severity, UpAxis, check, from_text, illuminance, mend,
     sidecar_text,
@@ -122,10 +122,35 @@ fn a_room_is_lit_alike_wherever_it_stands_and_whatever_was_forgotten_far_away() 
 }
 
 #[test]
+fn neither_a_far_logo_nor_terrain_uses_up_the_patches_of_the_room() {
+    let largest_in_the_room = |more: &str, patches: usize| {
+        let scene =
+            read(&format!("{}o more\nusemtl wall\n{more}f 29 30 31 32\n", room(DVec3::ZERO, 1.0)), "");
+        let settings = MeshSettings {
+            target: PatchTarget::Count(patches),
+            backs: Backs::All,
+            ..MeshSettings::default()
+        };
+        let mesh = mesh::build(&scene, &settings).expect("patches");
+        let own = mesh.patches.iter().filter(|patch| patch.centre.length() < 6.0 && patch.radius < 100.0);
+        own.map(|patch| patch.area).fold(0.0, f64::max)
+    };
+    let quad = |x: f64, y: f64, size: f64| {
+        let (far, near, deep) = (x + size, -0.5 * size, 0.5 * size);
+        format!("v {x} {y} {near}\nv {x} {y} {deep}\nv {far} {y} {deep}\nv {far} {y} {near}\n")
+    };
+    let alone = largest_in_the_room(&quad(5.0, 0.0, 0.1), 1500);
+    for (what, more) in [("a logo", quad(90_000.0, 0.0, 300.0)), ("terrain", quad(-1000.0, -0.1, 2000.0))] {
+        let found = largest_in_the_room(&more, 1500);
+        assert!(found < 4.0 * alone, "{what}: patches of {found} m2 where {alone} are usual");
+    }
+}
+
+#[test]
 fn what_is_far_away_is_named_and_makes_no_false_alarm() {
     let scene = read(&with_marker(&room(SURVEYED, 1.0), MARKER), "");
     let found = scene.findings.iter().find(|finding| finding.kind == FindingKind::Stray).expect("the marker");
-    for words in ["'origin_marker'", "line 55", "5,425 km"] {
+    for words in ["'origin_marker'", "line 56", "5,425 km"] {
         assert!(found.message.contains(words), "{words}: {}", found.message);
     }
     assert_eq!((found.severity, &found.places.faces[..]), (Severity::Warning, &[7_u32][..]));
@@ -159,20 +184,25 @@ fn a_repaired_copy_stays_where_the_model_is() {
     std::fs::write(folder.path().join("m.mtl"), MTL).expect("written");
     let scene = lumenwalk::scene::load(&SceneSource::File(path)).expect("a room");
     let mended = mend(&scene, Path::new("copy.obj")).expect("a copy");
-    let corners = |text: &str| {
-        let mut all: Vec<[u64; 3]> = text
-            .lines()
-            .filter_map(|line| line.strip_prefix("v "))
+    let corners = |text: &str| -> Vec<DVec3> {
+        let lines = text.lines().filter_map(|line| line.strip_prefix("v "));
+        let mut all: Vec<DVec3> = lines
             .map(|rest| {
                 let values: Vec<f64> = rest.split(' ').map(|word| word.parse().expect("a number")).collect();
-                [0, 1, 2].map(|axis| (values[axis] + 0.0).to_bits())
+                dvec3(values[0], values[1], values[2])
             })
             .collect();
-        all.sort_unstable();
+        all.sort_by(|a, b| a.x.total_cmp(&b.x).then(a.y.total_cmp(&b.y)).then(a.z.total_cmp(&b.z)));
         all.dedup();
         all
     };
-    assert_eq!(corners(&mended.obj), corners(&text), "to the last digit");
+    let (copied, given) = (corners(&mended.obj), corners(&text));
+    assert_eq!(copied.len(), given.len());
+    for (copy, given) in copied.iter().zip(&given) {
+        // The room to the last digit; the marker to those of its distance.
+        let most = if given.x > 1.0 { 0.0 } else { 1e-9 };
+        assert!((*copy - *given).abs().max_element() <= most, "{copy}, not {given}");
+    }
 }
 
 #[test]

@@ -6,11 +6,12 @@
 //!
 //! * sampling, K B (x) - h: from how much the same gathering differs with its pattern turned, and from
 //!   the witness wherever that disagrees by more than its noise;
-//! * what it means for x that radiosities are constant over patches, K B_s (x) - K B (x): the witness
-//!   looks both up with the same rays, so that hardly any noise is left in the difference;
-//! * the patches' own error, K rho e (x) with e the error of s: the witness asks at points of the very
-//!   patches that x sees, drawn by what they reflect to it, how far s is from one more gathering; the
-//!   mean over all points is passed on by later reflections.
+//! * what it means for x that radiosities are constant over patches: K B_s (x) - K B (x), less what the
+//!   mean of B_s over each patch differs from B. The witness looks both up with the same rays, so that
+//!   hardly any noise is left in the difference;
+//! * the patches' own error, K rho e (x) with e that of their mean irradiance: the witness asks at points
+//!   of the very patches that x sees, drawn by what they reflect to it, how far it is from one more
+//!   gathering of B_s; the mean over all points is passed on by later reflections.
 
 use super::audit::Answer;
 use super::sobol::{mix, unit};
@@ -45,6 +46,9 @@ const MANY_POINTS: usize = 512;
 const FEWEST_RAYS: u32 = 128;
 /// Standard deviations that an error may have beyond its estimate.
 const WIDE: f64 = 2.0;
+/// Points are lifted off their surfaces and radiosities are single precision: no error is told below this
+/// share of the light.
+const FLOOR: f64 = 2e-4;
 /// The witness disagrees if it is off by more than this many of its own.
 const DISAGREES: f64 = 3.0;
 
@@ -56,6 +60,8 @@ struct Found {
     sampling: f64,
     /// The part of the luminance that surfaces reflect.
     reflected: f64,
+    /// What that would be more if patches had the mean of what is shown on them.
+    smoothing: f64,
     /// Relative errors of the light at points that it sees.
     senders: Vec<f64>,
 }
@@ -75,7 +81,13 @@ pub fn irradiance_at(
     let share = MANY_POINTS as f64 / points.len().max(MANY_POINTS) as f64;
     let fewer = |rays: u32| ((f64::from(rays) * share) as u32).max(FEWEST_RAYS);
     let rays = [fewer(RAYS), fewer(SENDER_RAYS)];
-    let check = Check { answer, computer, witness, rays, seed };
+    let smoothing = (0..mesh.patches.len())
+        .map(|i| {
+            let own = luminance_weighted(light.irradiance[i].map(f64::from));
+            if own > 0.0 { witness.shown_mean(i as u32) / own - 1.0 } else { 0.0 }
+        })
+        .collect();
+    let check = Check { answer, computer, witness, rays, smoothing, seed };
     let senders = (SENDERS / points.len().max(1)).max(FEWEST_SENDERS);
     let found: Vec<Found> = points
         .par_iter()
@@ -100,6 +112,8 @@ struct Check<'a> {
     witness: Witness<'a>,
     /// Along the cosine, from a free point and from a point on a patch.
     rays: [u32; 2],
+    /// For each patch the mean of what is shown on it over what it has, less one.
+    smoothing: Vec<f64>,
     seed: u64,
 }
 
@@ -121,6 +135,7 @@ impl Check<'_> {
         let mut turned = [[0.0; 3]; TURNS as usize];
         // Running sum of what each patch reflects to the point.
         let mut reflected: Vec<(u32, f64)> = Vec::new();
+        let mut smoothing = 0.0;
         for (turn, sum) in turned.iter_mut().enumerate() {
             let share = turn as f64 / f64::from(TURNS);
             self.computer.point_turned(point, normal, share, scratch, |patch, f| {
@@ -128,6 +143,7 @@ impl Check<'_> {
                 (0..3).for_each(|band| sum[band] += f * f64::from(b[band]));
                 let own = f * (lum(b) - lum(self.answer.exitance[patch as usize]));
                 if turn == 0 && own > 0.0 {
+                    smoothing += own * self.smoothing[patch as usize];
                     reflected.push((patch, own + reflected.last().map_or(0.0, |last| last.1)));
                 }
             });
@@ -149,7 +165,7 @@ impl Check<'_> {
                 self.relative_residual(reflected[at].0, key)
             })
             .collect();
-        Found { irradiance, luminance, sampling, reflected: all, senders }
+        Found { irradiance, luminance, sampling, reflected: all, smoothing, senders }
     }
 
     /// At a random point of a patch: what one more gathering makes of its irradiance less what is shown,
@@ -162,7 +178,10 @@ impl Check<'_> {
             self.witness.gather(patch, Receiver::Point(point), &choice, self.rays[1], seed).shown
         });
         let is_covered = a == 0.0 && b == 0.0;
-        (own > 0.0 && !is_covered).then(|| (0.5 * (a + b) - shown) / own)
+        // The shape that the picture gives to the light within a patch averages out, and its mean is not
+        // what the patch has.
+        let shape = shown / own - 1.0 - self.smoothing[patch as usize];
+        (own > 0.0 && !is_covered).then(|| 0.5 * (a + b) / own - 1.0 - shape)
     }
 
     /// How many times a mean error of the light counts once reflections have passed it on: 1 / (1 - c rho),
@@ -193,7 +212,7 @@ impl Check<'_> {
         // 1. Radiosities that change within patches. With the same rays their noise is that of the change.
         let pair = ask(self.rays[0], 1);
         let changes = pair.map(|g| g.shown - g.constant);
-        let shape = 0.5 * (changes[0] + changes[1]);
+        let shape = 0.5 * (changes[0] + changes[1]) - found.smoothing;
         let shape_noise = 0.5 * (changes[0] - changes[1]).abs();
 
         // 2. Sampling, and what it does not know of itself.
@@ -216,6 +235,7 @@ impl Check<'_> {
             WIDE * shape_noise,
             WIDE * found.reflected * patches.bias_noise,
             WIDE * found.reflected * patches.spread,
+            FLOOR * found.luminance,
         ];
         known.abs() + unseen + widths.iter().map(|w| w * w).sum::<f64>().sqrt()
     }

@@ -1,5 +1,6 @@
 use super::budget::percent;
 use super::failure::Failure;
+use super::lamps::LampOptions;
 use super::options::{EffectOptions, FrameOptions};
 use super::progress::ProgressLine;
 use super::{budget, solve, text};
@@ -29,6 +30,8 @@ pub(super) struct Arguments {
     /// Begin nothing that would not end within this time; a number of seconds, or as in 10min
     #[arg(long, value_name = "TIME", value_parser = budget::seconds_goal, default_value = "10min")]
     max_seconds: f64,
+    #[command(flatten)]
+    lamps: LampOptions,
     /// Threads at work [default: all cores]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..=1024))]
     threads: Option<u16>,
@@ -37,7 +40,14 @@ pub(super) struct Arguments {
 pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
     let started = Instant::now();
     super::options::set_threads(arguments.threads)?;
-    let scene = solve::load(&arguments.scene, &arguments.frame)?;
+    let scene = solve::load(&arguments.scene, &arguments.frame, arguments.lamps)?;
+    if scene.luminaires.is_empty() {
+        return Err(Failure::input(format!(
+            "{} has no lamps, so there is no light whose error could be measured; --ceiling-lamps adds a lamp to \
+             each room",
+            scene.name
+        )));
+    }
     let lighting = scene.lighting();
     std::fs::create_dir_all(&arguments.out).map_err(|error| {
         Failure::work(anyhow::Error::new(error).context(format!("cannot make {}", arguments.out.display())))

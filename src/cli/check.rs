@@ -1,4 +1,5 @@
 use super::failure::Failure;
+use super::lamps::LampOptions;
 use super::options::FrameOptions;
 use super::report::severity_name;
 use super::text;
@@ -21,6 +22,8 @@ pub(super) struct Arguments {
     scene: String,
     #[command(flatten)]
     frame: FrameOptions,
+    #[command(flatten)]
+    lamps: LampOptions,
     /// Write a mended copy, with its MTL and sidecar beside it; the model itself stays as it is
     #[arg(long, value_name = "OUT.obj")]
     repair: Option<PathBuf>,
@@ -28,6 +31,7 @@ pub(super) struct Arguments {
 
 pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
     let scene = scene::load(&arguments.frame.source(&arguments.scene)?)?;
+    let scene = arguments.lamps.add_to(scene)?;
     let mut findings = scene.findings.clone();
     let examination = scene::examine(&scene);
     findings.extend(examination.findings);

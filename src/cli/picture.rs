@@ -1,6 +1,8 @@
 use super::failure::Failure;
 use super::progress::ProgressLine;
-use crate::display::{DisplayMesh, Exposure, Shading, ToneMap, luminance, meter, white_balance};
+use crate::display::{
+    DisplayMesh, Exposure, Shading, ToneMap, even_light, luminance, meter, openness, white_balance,
+};
 use crate::effects::Effect;
 use crate::export::ExportError;
 use crate::outputs::{StillKind, StillLight, save_lit_mesh, save_still};
@@ -34,23 +36,35 @@ pub(super) fn kind_of(path: &Path) -> Result<StillKind, Failure> {
 /// A solution made ready to have its picture taken.
 pub(super) struct Studio<'a> {
     solved: &'a Solved,
+    /// What was solved.
     light: &'a PatchLight,
+    /// What a scene without lamps is shown in instead.
+    even: Option<PatchLight>,
     mesh: DisplayMesh,
     picker: Picker,
     corners: StillLight,
     gains: [f32; 3],
 }
 
+/// The scene in plain even light.
+fn even(solved: &Solved) -> PatchLight {
+    let open = openness(&solved.mesh, &|| false);
+    let irradiance = even_light(&solved.mesh, solved.scene.up, open.as_deref());
+    PatchLight::reflected(irradiance, &solved.reflectance)
+}
+
 impl<'a> Studio<'a> {
     pub(super) fn new(solved: &'a Solved, lighting: &Lighting, light: &'a PatchLight) -> Self {
         let smooth = solved.plan.is_on(Effect::SmoothSurfaces);
         let mesh = DisplayMesh::build(&solved.mesh, &solved.scene, smooth);
+        let even = solved.scene.luminaires.is_empty().then(|| even(solved));
         Self {
-            corners: StillLight::new(&mesh, light, Shading::Gouraud),
+            corners: StillLight::new(&mesh, even.as_ref().unwrap_or(light), Shading::Gouraud),
             gains: white_balance(&solved.scene, &[lighting]),
             picker: Picker::new(&solved.mesh),
             solved,
             light,
+            even,
             mesh,
         }
     }
@@ -58,8 +72,9 @@ impl<'a> Studio<'a> {
     /// Exposure for these patches, each with the weight that it has in the picture. Lamps are left
     /// out unless nothing else is lit; `None` where nothing is.
     fn exposure(&self, weighted: &[(usize, f64)]) -> Option<Exposure> {
+        let light = self.even.as_ref().unwrap_or(self.light);
         let sample = |&(patch, weight): &(usize, f64)| {
-            (self.light.radiosity.get(patch).map_or(0.0, |&b| luminance(b)), weight)
+            (light.radiosity.get(patch).map_or(0.0, |&b| luminance(b)), weight)
         };
         let shines = |patch: usize| self.solved.mesh.patches[patch].luminaire.is_some();
         meter(weighted.iter().filter(|(patch, _)| !shines(*patch)).map(sample))
@@ -93,7 +108,18 @@ impl<'a> Studio<'a> {
         exposure: Exposure,
         progress: impl FnMut(f64) + Send,
     ) -> Result<Still, Failure> {
-        let input = self.corners.input(&self.mesh, &self.picker, &self.solved.scene.textures);
+        self.still_of(&self.corners, camera, size, exposure, progress)
+    }
+
+    fn still_of(
+        &self,
+        corners: &StillLight,
+        camera: &Camera,
+        size: [u32; 2],
+        exposure: Exposure,
+        progress: impl FnMut(f64) + Send,
+    ) -> Result<Still, Failure> {
+        let input = corners.input(&self.mesh, &self.picker, &self.solved.scene.textures);
         let options =
             StillOptions { gains: self.gains, ..StillOptions::new(size, exposure, ToneMap::default()) };
         let progress = Mutex::new(progress);
@@ -118,7 +144,11 @@ impl<'a> Studio<'a> {
         let camera = Camera::from_view(view, self.solved.scene.up.vector());
         let exposure = self.metered(&camera, size).unwrap_or_default();
         let mut line = ProgressLine::new();
-        let still = self.still(&camera, size, exposure, |share| line.picture(share))?;
+        // An EXR holds what was solved, and nothing that is only shown.
+        let solved = (kind == StillKind::Exr && self.even.is_some())
+            .then(|| StillLight::new(&self.mesh, self.light, Shading::Gouraud));
+        let corners = solved.as_ref().unwrap_or(&self.corners);
+        let still = self.still_of(corners, &camera, size, exposure, |share| line.picture(share))?;
         drop(line);
         Ok(save_still(path, kind, &still)?)
     }

@@ -1,4 +1,5 @@
 use super::failure::Failure;
+use super::lamps::{self, LampOptions};
 use super::options::{EffectOptions, FrameOptions, PatchOptions};
 use super::{solve, text};
 use crate::effects::{EffectPlan, EffectState};
@@ -14,6 +15,8 @@ pub(super) struct Arguments {
     #[command(flatten)]
     frame: FrameOptions,
     #[command(flatten)]
+    lamps: LampOptions,
+    #[command(flatten)]
     patches: PatchOptions,
     #[command(flatten)]
     effects: EffectOptions,
@@ -21,7 +24,8 @@ pub(super) struct Arguments {
 
 pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
     let effects = arguments.effects.choices()?;
-    let scene = solve::load(&arguments.scene, &arguments.frame)?;
+    let scene = solve::load(&arguments.scene, &arguments.frame, arguments.lamps)?;
+    lamps::tell_darkness(&scene, &scene.lighting());
     let patches = arguments.patches.target(scene.unit);
     let settings = SolveSettings { patches, effects, ..SolveSettings::default() };
     let prepared = session::prepare(scene, &settings)?;

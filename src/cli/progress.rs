@@ -90,6 +90,7 @@ fn stage_name(stage: Stage) -> &'static str {
         Stage::Balancing => "balancing",
         Stage::Sweeping => "sweeping",
         Stage::Converged => "converged",
+        Stage::Unlit => "no lamps",
         Stage::Stopped => "stopped",
         Stage::Failed => "failed",
     }

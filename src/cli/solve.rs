@@ -1,6 +1,6 @@
 use super::budget;
 use super::failure::Failure;
-use super::lamps;
+use super::lamps::{self, LampOptions};
 use super::options::{self, FrameOptions, SolveOptions};
 use super::picture::{self, Studio};
 use super::points;
@@ -35,6 +35,8 @@ pub(super) struct Arguments {
     frame: FrameOptions,
     #[command(flatten)]
     options: SolveOptions,
+    #[command(flatten)]
+    lamps: LampOptions,
     /// Switch this lamp on (may be repeated)
     #[arg(long, value_name = "NAME")]
     on: Vec<String>,
@@ -175,16 +177,19 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
     let start = Instant::now();
     let kind = arguments.image.as_deref().map(picture::kind_of).transpose()?;
     arguments.options.set_threads()?;
-    let scene = load(&arguments.scene, &arguments.frame)?;
+    let scene = load(&arguments.scene, &arguments.frame, arguments.lamps)?;
     let load_seconds = start.elapsed().as_secs_f64();
     let settings = arguments.options.settings(scene.unit)?;
     let lighting = lamps::lighting(&scene, &arguments.on, &arguments.off, &arguments.dim)?;
+    lamps::tell_darkness(&scene, &lighting);
     let view = arguments.view(&scene)?;
     let points = arguments.points.as_deref().map(read_points).transpose()?;
     arguments.check_outputs()?;
     let tour = arguments.tour(&scene)?;
 
-    let goal = arguments.goal();
+    // Without a lamp there is no light that could be right or wrong.
+    let is_unlit = scene.luminaires.is_empty();
+    let goal = arguments.goal().filter(|_| !is_unlit);
     let reached =
         goal.map(|goal| budget::reach(&scene, &lighting, goal, &settings.effects, start)).transpose()?;
     let (solved, light, settings) = match &reached {
@@ -197,7 +202,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
     let solve_seconds = start.elapsed().as_secs_f64();
     let audited = match &reached {
         Some(reached) => reached.budget,
-        None => arguments.audit.then(|| budget::audit(&solved, &lighting)).flatten(),
+        None => (arguments.audit && !is_unlit).then(|| budget::audit(&solved, &lighting)).flatten(),
     };
     let outputs_start = Instant::now();
     let mut written = Written::default();
@@ -254,7 +259,10 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
 }
 
 /// Loads a scene and says on standard error what is doubtful about it.
-pub(super) fn load(name: &str, frame: &FrameOptions) -> Result<Arc<Scene>, Failure> {
+///
+/// # Errors
+/// What cannot be read, and lamps asked for that there is no place for.
+pub(super) fn load(name: &str, frame: &FrameOptions, lamps: LampOptions) -> Result<Arc<Scene>, Failure> {
     const SHOWN: usize = 12;
     let scene = scene::load(&frame.source(name)?)?;
     let doubts: Vec<_> = scene.findings.iter().filter(|f| f.severity >= Severity::Warning).collect();
@@ -264,15 +272,20 @@ pub(super) fn load(name: &str, frame: &FrameOptions) -> Result<Arc<Scene>, Failu
     if doubts.len() > SHOWN {
         text::complain(&format!("{} more; lumenwalk check tells them all", doubts.len() - SHOWN));
     }
-    Ok(Arc::new(scene))
+    Ok(Arc::new(lamps.add_to(scene)?))
 }
 
-/// Solves with progress on standard error, and mixes the lamps.
+/// Solves with progress on standard error, and mixes the lamps. Nothing is solved where there is none.
 pub(super) fn solve(
     scene: Arc<Scene>,
     settings: &SolveSettings,
     lighting: &Lighting,
 ) -> Result<(Solved, PatchLight), Failure> {
+    if scene.luminaires.is_empty() {
+        let solved = session::without_light(scene, settings)?;
+        let light = solved.light(lighting);
+        return Ok((solved, light));
+    }
     let mut line = ProgressLine::new();
     let observe = &mut |progress: Progress<'_>| {
         line.solve(&progress);
@@ -286,6 +299,14 @@ pub(super) fn solve(
 
 /// What was solved, how well and how fast, in a few lines.
 pub(super) fn summary(solved: &Solved, settings: &SolveSettings, seconds: f64) -> String {
+    if solved.scene.luminaires.is_empty() {
+        let patches = text::patches(solved.mesh.patches.len());
+        let seconds = text::seconds(seconds);
+        return format!(
+            "{}: {patches}, no lamps, so nothing was solved\ndone in {seconds}\n",
+            solved.scene.name
+        );
+    }
     let mut told = format!(
         "{}: {}, {}, {} {}\n",
         solved.scene.name,

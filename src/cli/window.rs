@@ -1,4 +1,5 @@
 use super::failure::Failure;
+use super::lamps::{self, LampOptions};
 use super::options::{FrameOptions, SolveOptions};
 use super::picture::{self, Studio};
 use super::{solve, text};
@@ -21,6 +22,8 @@ pub(super) struct Arguments {
     frame: FrameOptions,
     #[command(flatten)]
     options: SolveOptions,
+    #[command(flatten)]
+    lamps: LampOptions,
 }
 
 /// Opens the window; where there can be none, solves and writes a picture instead.
@@ -34,7 +37,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
         Some(_) => scene::load(&source)?.unit,
         None => LengthUnit::Metre,
     };
-    match open_window(source, arguments.options.settings(unit)?) {
+    match open_window(source, arguments.options.settings(unit)?, arguments.lamps.ceiling_lamps) {
         Ok(()) => Ok(()),
         Err(UiError::NoDisplay(reason)) => {
             text::complain(&format!(
@@ -63,12 +66,13 @@ fn refuse_what_is_not_there(source: &SceneSource) -> Result<(), Failure> {
 
 fn headless(name: &str, arguments: &Arguments) -> Result<(), Failure> {
     let start = Instant::now();
-    let scene = solve::load(name, &arguments.frame)?;
+    let scene = solve::load(name, &arguments.frame, arguments.lamps)?;
     let settings = arguments.options.settings(scene.unit)?;
     let view = solve::start_view(&scene)?;
     let path = picture_path(&scene.name);
     atomic::probe(&path)?;
     let lighting = scene.lighting();
+    lamps::tell_darkness(&scene, &lighting);
     let (solved, light) = solve::solve(scene, &settings, &lighting)?;
     let studio = Studio::new(&solved, &lighting, &light);
     studio.write_view(&path, StillKind::Png, &view, picture::DEFAULT_SIZE)?;

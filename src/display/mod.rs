@@ -5,6 +5,7 @@
 
 mod adaptation;
 mod colour_map;
+mod even_light;
 mod false_colour;
 mod mesh;
 mod tone;
@@ -13,6 +14,7 @@ mod weights;
 
 pub use adaptation::{usual_lighting, white_balance};
 pub use colour_map::{ColourMap, patch_colour};
+pub use even_light::{even_light, openness};
 pub use false_colour::{FalseColour, NO_VALUE, Tick, patch_illuminance, patch_luminance};
 pub use mesh::{Batch, DisplayCorner, DisplayMesh, Shading};
 pub use tone::{Exposure, ToneMap, luminance, meter, srgb_decode, srgb_encode};

@@ -20,7 +20,7 @@
 use super::occluders::{Cell, Occluders, Viewer};
 use super::row::RowBuffer;
 use crate::geometry::Frame;
-use crate::mesh::{Backing, NO_PATCH, Side};
+use crate::mesh::{NO_PATCH, Side};
 use glam::DVec3;
 use std::f64::consts::TAU;
 
@@ -243,14 +243,7 @@ impl LineSampler {
         let side = if to_plane < 0.0 { Side::Front } else { Side::Back };
         let passed_over = viewer == Viewer::LitSurface && region.dark[side as usize];
         let is_edge_on = to_plane.is_nan() || to_plane.abs() <= contact;
-        if is_edge_on || passed_over {
-            return;
-        }
-        // What lies on its back is seen instead of it, and sees nothing of it.
-        let is_on_it = to_plane.abs() <= scene.thickness() && region.normal.dot(frame.normal) < -0.99;
-        if (region.backing == Backing::Whole && to_plane > 0.0)
-            || (region.backing != Backing::None && is_on_it)
-        {
+        if is_edge_on || passed_over || scene.is_covered(region, to_plane, frame.normal) {
             return;
         }
         // 2. Corners in the receiver's frame, with their azimuth counted in half-planes.
@@ -333,8 +326,7 @@ impl LineSampler {
         let normal = frame.local(region.normal);
         let axis_end = if to_plane * normal.z > 0.0 { -1.0 } else { 1.0 };
         // What lies on a part of its back stands before it.
-        let behind =
-            if side == Side::Back && region.backing == Backing::Partial { scene.thickness() } else { 0.0 };
+        let behind = if region.is_set_back(side) { scene.thickness() } else { 0.0 };
         let inverse = 0.5 / (to_plane + behind);
         let seen = self.seen.len() as u32;
         let mut total = 0.0;

@@ -64,6 +64,13 @@ pub(super) struct Occluder {
     pub(super) backing: Backing,
 }
 
+impl Occluder {
+    /// Whether others lie on a part of this side, and are seen there instead.
+    pub(super) fn is_set_back(&self, side: Side) -> bool {
+        side == Side::Back && self.backing == Backing::Partial
+    }
+}
+
 /// What lies in a grid cell.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Cell {
@@ -212,6 +219,17 @@ impl Occluders {
         }
         let factor = sum.abs() / TAU;
         (factor > 0.0).then_some(factor)
+    }
+
+    /// Whether others lie between a region and a point whose plane is so far away along the region's normal:
+    /// on its back, where they are seen instead, or where the point is on one of them itself.
+    pub(super) fn is_covered(&self, region: &Occluder, to_plane: f64, normal: DVec3) -> bool {
+        let is_on_it = || to_plane.abs() <= self.thickness() && region.normal.dot(normal) < -0.99;
+        match region.backing {
+            Backing::None => false,
+            Backing::Partial => is_on_it(),
+            Backing::Whole => to_plane > 0.0 || is_on_it(),
+        }
     }
 
     /// Distances below this count as contact, metres.

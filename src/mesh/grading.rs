@@ -73,7 +73,10 @@ impl Lamps {
         let (mut faces, mut boxes) = (Vec::new(), Vec::new());
         let (mut flux, mut area) = (0.0, 0.0);
         for (outline, sides) in outlines.iter().zip(sides) {
-            area += outline.area * f64::from(u8::from(sides[0]) + u8::from(sides[1]));
+            // Terrain around a house says nothing about how bright its rooms are.
+            if outline.coarsest == 0.0 {
+                area += outline.area * f64::from(u8::from(sides[0]) + u8::from(sides[1]));
+            }
             let Some(luminaire) = outline.luminaire else { continue };
             let full = scene.luminaires[luminaire as usize].initial.exitance;
             let exitance: f64 = (0..3).map(|band| full[band] * outline.emission_weight[band]).sum();

@@ -147,7 +147,7 @@ pub(super) fn append(
     let radius = corners.map(|c| c.plane.distance(centre)).fold(0.0, f64::max);
     let material = &scene.materials[outline.material as usize];
     let texture = material.texture.filter(|_| textures).map(|t| &scene.textures[t as usize]);
-    let average = texture.map_or([1.0; 3], |t| texture_average(mesh, group, t));
+    let average = texture.map_or([1.0; 3], |t| texture_average(mesh, scene, group, t));
     let emits = side == Side::Front || outline.emits_back;
 
     let start = mesh.patch_pieces.len() as u32;
@@ -209,13 +209,21 @@ fn holds(mesh: &PatchMesh, piece: &Piece, point: DVec2) -> bool {
     })
 }
 
-/// Area-weighted mean of a texture over the pieces of a patch: 8 x 8 points a triangle.
-fn texture_average(mesh: &PatchMesh, group: &Group, texture: &Texture) -> [f64; 3] {
+/// Area-weighted mean of a texture over the pieces of a patch: 8 x 8 points per triangle, or that of the whole
+/// image where a surface has no texture coordinates.
+fn texture_average(mesh: &PatchMesh, scene: &Scene, group: &Group, texture: &Texture) -> [f64; 3] {
     const POINTS: usize = 8;
     let mut sum = [0.0; 3];
     let mut total = 0.0;
     for &p in group {
-        let corners = mesh.corners_of(&mesh.pieces[p as usize]);
+        let piece = &mesh.pieces[p as usize];
+        let surface = &scene.surfaces[piece.surface as usize];
+        if surface.corners.iter().any(|corner| corner.uv.is_none()) {
+            (0..3).for_each(|band| sum[band] += piece.area * texture.mean[band]);
+            total += piece.area;
+            continue;
+        }
+        let corners = mesh.corners_of(piece);
         for k in 1..corners.len() - 1 {
             let [a, b, c] = [corners[0], corners[k], corners[k + 1]];
             let weight = polygon::area_2d(&[a.plane, b.plane, c.plane]) / (POINTS * POINTS) as f64;

@@ -34,6 +34,7 @@ impl Grid {
     /// Square-like cells with edges of at most `size`.
     pub(super) fn new(outline: &Outline, size: f64) -> Self {
         let extent = outline.max - outline.min;
+        let size = size.max(outline.coarsest);
         let count = |length: f64| ((length / size - 1e-6).ceil().max(1.0) as u32).min(4096);
         let cells = [count(extent.x), count(extent.y)];
         let cell = DVec2::new(extent.x / f64::from(cells[0]), extent.y / f64::from(cells[1]));

@@ -238,8 +238,9 @@ impl<'a> Search<'a> {
             return Reach::Lit;
         }
         if self.sources.lamps.is_empty() {
-            // Nothing is lit; every front is kept, so that there is something to see.
-            return if side == Side::Front { Reach::Lit } else { Reach::Black };
+            // Nothing is lit; every side is kept, so that the model is seen whole, however it is turned.
+            let is_black = side == Side::Back && sides == Sides::Front;
+            return if is_black { Reach::Black } else { Reach::Lit };
         }
         let mut starts = sample_points(outline, 12);
         starts.retain(|&at| side == Side::Front || !self.sheets.covers_back(index, at));

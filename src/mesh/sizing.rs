@@ -39,6 +39,7 @@ impl Demand {
     fn of(outlines: &[Outline], sides: &[[bool; 2]], size: f64) -> Self {
         outlines.iter().zip(sides).fold(Self::default(), |sum, (outline, sides)| {
             let extent = outline.max - outline.min;
+            let size = size.max(outline.coarsest);
             let cells = (extent.x / size).ceil().max(1.0) * (extent.y / size).ceil().max(1.0);
             let patches = (cells * filled(outline)).max(1.0) * active(*sides);
             if cells > 1.0 {
@@ -130,7 +131,8 @@ pub(super) fn patch_size(
 /// Were the others counted too, a model of more facets than `count` would leave no patch for its walls.
 fn for_count(count: f64, outlines: &[Outline], sides: &[[bool; 2]], finer: &mut Finer<'_>) -> f64 {
     let longest = outlines.iter().map(|o| (o.max - o.min).max_element()).fold(0.0, f64::max);
-    let area: f64 = outlines.iter().zip(sides).map(|(o, sides)| o.area * active(*sides)).sum();
+    let near = outlines.iter().zip(sides).filter(|(outline, _)| outline.coarsest == 0.0);
+    let area: f64 = near.map(|(o, sides)| o.area * active(*sides)).sum();
     let plain = |count: f64| {
         let (mut low, mut high) = (1e-6_f64, 10.0);
         for _ in 0..60 {

@@ -5,12 +5,28 @@ use super::build::{Backs, MeshError, MeshSettings, PatchTarget};
 use super::reach::{LightSearch, Reach, Sources};
 use super::regions::{self, Outline};
 use super::types::Side;
-use crate::scene::Scene;
+use crate::scene::{Extent, Scene};
 use crate::watch::Watch;
 use std::sync::Arc;
 
 /// Shares of a survey's time by which coplanar neighbours are joined, about; the rest goes into their sides.
 const JOINED: f64 = 0.1;
+
+/// What is so many times as long as the length that tolerances follow is terrain around the rest.
+const TERRAIN: f64 = 4.0;
+
+/// Below which edge patches of an outline are not cut, metres: a share of it where it is far away from the rest,
+/// and where it is terrain around a house.
+fn coarsest(outline: &Outline, extent: &Extent) -> f64 {
+    let longest = (outline.max - outline.min).max_element();
+    if !extent.holds(&outline.bounds) {
+        longest / 8.0
+    } else if longest > TERRAIN * extent.scale {
+        longest / 24.0
+    } else {
+        0.0
+    }
+}
 
 /// Coplanar neighbours of a scene joined, and the sides of them that light can reach: most of the work of
 /// meshing, which meshes of other patch sizes need not do again.
@@ -45,12 +61,14 @@ impl Survey {
         search: LightSearch,
         watch: &mut Watch<'_>,
     ) -> Result<Self, MeshError> {
-        let size = scene.extent().scale;
+        let extent = scene.extent();
+        let size = extent.scale;
         let as_given = settings.target == PatchTarget::AsGiven;
-        let (outlines, dropped) = regions::join(scene, size, as_given, &mut watch.part(0.0, JOINED))?;
+        let (mut outlines, dropped) = regions::join(scene, size, as_given, &mut watch.part(0.0, JOINED))?;
         if outlines.is_empty() {
             return Err(MeshError::Empty);
         }
+        outlines.iter_mut().for_each(|outline| outline.coarsest = coarsest(outline, &extent));
         let outlines: Arc<[Outline]> = outlines.into();
         let sheets = Sheets::new(outlines.clone(), size);
         let mut sources = Sources::new(&outlines, size);

@@ -131,7 +131,7 @@ mod tests {
 
     fn image(width: u32, height: u32) -> Texture {
         let pixels = (0..width * height).map(|i| [i as f32 / (width * height) as f32; 3]).collect();
-        Texture { name: "ramp".to_owned(), width, height, pixels }
+        Texture { name: "ramp".to_owned(), width, height, clamped: false, mean: [0.5; 3], pixels }
     }
 
     #[test]

@@ -82,7 +82,8 @@ pub struct MeshUploader {
     device: wgpu::Device,
     queue: wgpu::Queue,
     texture_layout: wgpu::BindGroupLayout,
-    texture_sampler: wgpu::Sampler,
+    /// Images repeated beyond their borders, and those whose borders go on.
+    texture_samplers: [wgpu::Sampler; 2],
 }
 
 impl MeshUploader {
@@ -90,9 +91,9 @@ impl MeshUploader {
         device: wgpu::Device,
         queue: wgpu::Queue,
         texture_layout: wgpu::BindGroupLayout,
-        texture_sampler: wgpu::Sampler,
+        texture_samplers: [wgpu::Sampler; 2],
     ) -> Self {
-        Self { device, queue, texture_layout, texture_sampler }
+        Self { device, queue, texture_layout, texture_samplers }
     }
 
     /// Uploads a mesh with the scene's textures.
@@ -149,7 +150,9 @@ impl MeshUploader {
                 wgpu::BindGroupEntry { binding: 0, resource: wgpu::BindingResource::TextureView(&view) },
                 wgpu::BindGroupEntry {
                     binding: 1,
-                    resource: wgpu::BindingResource::Sampler(&self.texture_sampler),
+                    resource: wgpu::BindingResource::Sampler(
+                        &self.texture_samplers[usize::from(image.clamped)],
+                    ),
                 },
             ],
         })

@@ -21,7 +21,7 @@ pub struct ViewportRenderer {
     frame_buffer: wgpu::Buffer,
     frame_bindings: wgpu::BindGroup,
     picture_sampler: wgpu::Sampler,
-    texture_sampler: wgpu::Sampler,
+    texture_samplers: [wgpu::Sampler; 2],
     mesh: Option<UploadedMesh>,
     target: Option<Target>,
 }
@@ -48,7 +48,7 @@ impl ViewportRenderer {
         // The picture has the pixels of the window: nothing to blend.
         let picture_sampler = sampler("picture", clamped, nearest, one_level);
         let map_sampler = sampler("colour maps", clamped, linear, one_level);
-        let texture_sampler = sampler("texture", repeated, linear, levels);
+        let texture_samplers = [repeated, clamped].map(|address| sampler("texture", address, linear, levels));
         let frame_buffer = device.create_buffer(&wgpu::BufferDescriptor {
             label: Some("frame"),
             size: size_of::<FrameUniform>() as u64,
@@ -74,7 +74,7 @@ impl ViewportRenderer {
             frame_buffer,
             frame_bindings,
             picture_sampler,
-            texture_sampler,
+            texture_samplers,
             mesh: None,
             target: None,
         }
@@ -82,8 +82,8 @@ impl ViewportRenderer {
 
     /// What uploads meshes for this renderer, from any thread.
     pub fn uploader(&self, device: &wgpu::Device, queue: &wgpu::Queue) -> MeshUploader {
-        let (layout, sampler) = (self.pipelines.texture_layout.clone(), self.texture_sampler.clone());
-        MeshUploader::new(device.clone(), queue.clone(), layout, sampler)
+        let (layout, samplers) = (self.pipelines.texture_layout.clone(), self.texture_samplers.clone());
+        MeshUploader::new(device.clone(), queue.clone(), layout, samplers)
     }
 
     /// Draws this mesh from now on; it is dark until light is set. Takes no time to speak of.

@@ -2,16 +2,20 @@
 
 use super::error::SceneError;
 use super::extent::{self, Extent, Footprint};
+use super::finding::{Finding, FindingKind, Severity};
+use super::lookup::{Files, read_complete};
 use super::luminaires::{Parts, gather};
+use super::mtl::Materials;
 use super::obj::{Face, Obj};
 use super::repair::repair_watched;
 use super::sidecar::{Sidecar, Source};
 use super::space::Space;
 use super::types::{FrameChoice, Scene, SceneSource};
-use super::{builtin, frame, mtl, names, obj, sides, views};
+use super::{builtin, frame, mtl, names, obj, placed, polygons, sides, text, views};
 use crate::geometry::Aabb;
 use crate::watch::Watch;
-use glam::DVec3;
+use glam::{DVec2, DVec3};
+use std::collections::HashMap;
 use std::io;
 use std::path::{Path, PathBuf};
 
@@ -32,8 +36,8 @@ struct Input<'a> {
     obj_file: String,
     obj: &'a str,
     sidecar: Option<(String, String)>,
-    /// Bytes of a material library or an image.
-    read: &'a dyn Fn(&str) -> io::Result<Vec<u8>>,
+    /// Where material libraries and images are.
+    files: Files<'a>,
 }
 
 /// Reads a scene: an OBJ file with the MTL, images and sidecar (`NAME.toml`) beside it, or an
@@ -65,10 +69,6 @@ pub fn load_watched(source: &SceneSource, watch: &mut Watch<'_>) -> Result<Scene
 
 /// Makes a scene of texts in memory. Every `mtllib` means `mtl`; images are not found.
 pub fn from_text(name: &str, obj: &str, mtl: &str, sidecar_toml: Option<&str>) -> Result<Scene, SceneError> {
-    let read = |file: &str| {
-        let is_image = [".png", ".jpg", ".jpeg"].iter().any(|end| file.to_ascii_lowercase().ends_with(end));
-        if is_image { Err(io::ErrorKind::NotFound.into()) } else { Ok(mtl.as_bytes().to_vec()) }
-    };
     let input = Input {
         name,
         source: SceneSource::Builtin(name.to_owned()),
@@ -76,7 +76,7 @@ pub fn from_text(name: &str, obj: &str, mtl: &str, sidecar_toml: Option<&str>) -
         obj_file: format!("{name}.obj"),
         obj,
         sidecar: sidecar_toml.map(|text| (format!("{name}.toml"), text.to_owned())),
-        read: &read,
+        files: Files::Library(mtl),
     };
     Watch::nobody(|watch| build(input, watch))
 }
@@ -87,28 +87,24 @@ pub fn sidecar_path(obj: &Path) -> PathBuf {
 }
 
 fn load_file(path: &Path, choice: FrameChoice, watch: &mut Watch<'_>) -> Result<Scene, SceneError> {
-    let bytes = read_file(path).map_err(|error| SceneError::reading(path, &error))?;
+    let bytes = read_complete(path).map_err(|error| SceneError::reading(path, &error))?;
     let sidecar_path = sidecar_path(path);
-    let sidecar = match read_file(&sidecar_path) {
-        Ok(bytes) => Some((display(&sidecar_path), String::from_utf8_lossy(&bytes).into_owned())),
+    let sidecar = match read_complete(&sidecar_path) {
+        Ok(bytes) => Some((display(&sidecar_path), text::decode(&bytes).into_owned())),
         Err(error) if error.kind() == io::ErrorKind::NotFound => None,
         Err(error) => return Err(SceneError::reading(&sidecar_path, &error)),
     };
     let folder = path.parent().unwrap_or(Path::new(""));
     let cancelled = watch.cancelled();
-    let read = |file: &str| match cancelled() {
-        true => Err(io::ErrorKind::Interrupted.into()),
-        false => read_beside(folder, file),
-    };
     let name = path.file_stem().map_or_else(|| "scene".into(), |stem| stem.to_string_lossy());
     let input = Input {
         name: &name,
         source: SceneSource::File(path.to_owned()).framed(choice),
         choice,
         obj_file: display(path),
-        obj: &String::from_utf8_lossy(&bytes),
+        obj: &text::decode(&bytes),
         sidecar,
-        read: &read,
+        files: Files::Folder { folder, cancelled },
     };
     build(input, watch)
 }
@@ -118,43 +114,17 @@ fn display(path: &Path) -> String {
     path.file_name().map_or_else(|| path.display().to_string(), |name| name.to_string_lossy().into_owned())
 }
 
-/// Reads a plain file; devices and pipes could go on for ever.
-pub(super) fn read_file(path: &Path) -> io::Result<Vec<u8>> {
-    let metadata = std::fs::metadata(path)?;
-    if metadata.is_dir() {
-        return Err(io::ErrorKind::IsADirectory.into());
-    }
-    if !metadata.is_file() {
-        return Err(io::Error::other("it is not a plain file"));
-    }
-    std::fs::read(path)
-}
-
-/// A file named in a model: as given, with `\` for `/`, or by its last part beside the model.
-pub(super) fn read_beside(folder: &Path, file: &str) -> io::Result<Vec<u8>> {
-    let slashed = file.replace('\\', "/");
-    let last = slashed.rsplit('/').next().unwrap_or_default();
-    let mut result = read_file(&folder.join(file));
-    for other in [slashed.as_str(), last] {
-        if result.as_ref().is_err_and(|error| error.kind() == io::ErrorKind::NotFound) && other != file {
-            result = read_file(&folder.join(other));
-        }
-    }
-    result
-}
-
 fn build(input: Input<'_>, watch: &mut Watch<'_>) -> Result<Scene, SceneError> {
     let sidecar_source = input.sidecar.as_ref().map(|(file, text)| Source { file, text });
     let sidecar = sidecar_source.map(|source| source.parse()).transpose()?;
     let scan = obj::scan(&input.obj_file, input.name, input.obj, &mut watch.part(0.0, SCANNED))?;
-    let (mut materials, textures) = mtl::read(&scan, &input.obj_file, input.read)?;
+    let (mut materials, textures) = mtl::read(&scan, input.name, &input.obj_file, input.files)?;
     watch.done(PICTURED)?;
     let mut findings = scan.findings.clone();
     findings.append(&mut materials.findings);
-    let obj = match &materials.parsed {
-        Some(parsed) => obj::parse(&input.obj_file, scan, parsed, &mut watch.part(PICTURED, PARSED))?,
-        None => return Err(SceneError::file(&input.obj_file, "the materials were not parsed")),
-    };
+    let mut obj = polygons::parse(&input.obj_file, scan, &mut watch.part(PICTURED, PARSED))?;
+    assign_materials(&mut obj, &materials);
+    findings.extend(images_without_coordinates(&obj, &materials));
 
     let stated = FrameChoice {
         unit: input.choice.unit.or(sidecar.as_ref().and_then(Sidecar::unit)),
@@ -181,14 +151,23 @@ fn build(input: Input<'_>, watch: &mut Watch<'_>) -> Result<Scene, SceneError> {
     let parts = Parts {
         positions: &positions,
         objects: &obj.objects,
+        given_objects: &obj.given_objects,
         materials: &materials.list,
         exitance: &materials.exitance,
         partners: &sides::partners(&positions, &surfaces),
     };
     let mut normals = repaired.normals;
-    let luminaires = gather(&parts, &mut surfaces, &mut normals, sidecar.as_ref().zip(sidecar_source))?;
+    let entries = sidecar.as_ref().zip(sidecar_source);
+    let luminaires = gather(&parts, &mut surfaces, &mut normals, entries, &mut findings)?;
 
     watch.done(REPAIRED)?;
+    let placed = match (&sidecar, sidecar_source) {
+        (Some(sidecar), Some(source)) => {
+            placed::read(&sidecar.lamps, (unit, up, origin), &luminaires, source)?
+        }
+        _ => Vec::new(),
+    };
+
     let bookmarks = match (&sidecar, sidecar_source) {
         (Some(sidecar), Some(source)) => sidecar.views(source, unit, origin)?,
         _ => Vec::new(),
@@ -204,21 +183,60 @@ fn build(input: Input<'_>, watch: &mut Watch<'_>) -> Result<Scene, SceneError> {
         uvs: obj.uvs,
         surfaces,
         objects: obj.objects,
+        given_objects: obj.given_objects,
         materials: materials.list,
         textures: textures.list,
         luminaires,
+        placed: Vec::new(),
         views: bookmarks,
         start_view: 0,
         patch_size: sidecar.as_ref().and_then(|s| s.patch_size.as_ref()).map(|size| *size.get_ref()),
         findings,
     };
     judge(&mut scene, stated);
+    scene.place(placed);
     if let (Some(sidecar), Some(source)) = (&sidecar, sidecar_source)
         && let Some(start) = sidecar.start(&scene.views, source)?
     {
         scene.start_view = start;
     }
     Ok(scene)
+}
+
+/// Turns the numbers that materials have in the scan into those that they have in the list, and lays images
+/// as their materials say.
+fn assign_materials(obj: &mut Obj, materials: &Materials) {
+    let mut laid: HashMap<(u32, u32), u32> = HashMap::new();
+    for face in &mut obj.faces {
+        face.material = materials.of_scan.get(face.material as usize).copied().unwrap_or(0);
+        let placement = materials.placements.get(face.material as usize).copied().unwrap_or_default();
+        if placement == Default::default() {
+            continue;
+        }
+        for uv in face.corners.iter_mut().filter_map(|(_, _, uv)| uv.as_mut()) {
+            *uv = *laid.entry((*uv, face.material)).or_insert_with(|| {
+                let given = obj.uvs.get(*uv as usize).copied().unwrap_or(DVec2::ZERO);
+                obj.uvs.push(placement.apply(given));
+                obj.uvs.len() as u32 - 1
+            });
+        }
+    }
+}
+
+/// Faces with an image and no texture coordinates: nothing says which part of it they show.
+fn images_without_coordinates(obj: &Obj, materials: &Materials) -> Option<Finding> {
+    let has_image = |material: u32| materials.list[material as usize].texture.is_some();
+    let bare = |face: &&Face| face.corners.iter().any(|(_, _, uv)| uv.is_none());
+    let faces: Vec<&Face> = obj.faces.iter().filter(|f| has_image(f.material)).filter(bare).collect();
+    let first = faces.first()?;
+    let names = names::list(faces.iter().map(|face| materials.list[face.material as usize].name.as_str()));
+    let message = format!(
+        "faces with an image have no texture coordinates ({}, first in line {}, of {names})",
+        faces.len(),
+        first.line
+    );
+    let finding = Finding::new(FindingKind::Material, Severity::Warning, message);
+    Some(finding.counted(faces.len()).with("the mean of the image counts there"))
 }
 
 /// Where positions are to count from: near the part that is looked at, where that is far away.

@@ -2,7 +2,9 @@
 
 use super::colour::{black_body, normalised};
 use super::error::SceneError;
+use super::finding::{Finding, FindingKind, Severity};
 use super::names;
+use super::selection::{Selection, material_names, shown_and_given};
 use super::sidecar::{EmitsKey, LuminaireEntry, Sidecar, Source};
 use super::types::{LUMINOUS_EFFICACY, LampState, Luminaire, Material, Scene, Surface, luminance_weighted};
 use crate::geometry::polygon;
@@ -13,6 +15,8 @@ use std::collections::{BTreeMap, HashMap, HashSet};
 pub(super) struct Parts<'a> {
     pub(super) positions: &'a [DVec3],
     pub(super) objects: &'a [String],
+    /// Names of `objects` in the file.
+    pub(super) given_objects: &'a [String],
     pub(super) materials: &'a [Material],
     /// Exitance of each material by its Ke, W/m² per band.
     pub(super) exitance: &'a [[f64; 3]],
@@ -34,6 +38,9 @@ struct Member {
     like: usize,
 }
 
+/// Above this share of the area that emits by its Ke an exporter has probably written a Ke that is none.
+const MOST_EMITTING: f64 = 0.3;
+
 /// Makes the lamps: first those of the sidecar, in its order, then one for each object and emitting
 /// material that no entry takes. Marks the surfaces that belong to them.
 pub(super) fn gather(
@@ -41,6 +48,7 @@ pub(super) fn gather(
     surfaces: &mut [Surface],
     normals: &mut Vec<DVec3>,
     sidecar: Option<(&Sidecar, Source<'_>)>,
+    findings: &mut Vec<Finding>,
 ) -> Result<Vec<Luminaire>, SceneError> {
     let mut luminaires = Vec::new();
     let mut taken = HashSet::new();
@@ -48,40 +56,54 @@ pub(super) fn gather(
         for entry in &sidecar.luminaires {
             let at = entry.span().start;
             let entry = entry.get_ref();
-            let name = entry.display_name();
+            let entry_name = entry.display_name();
             let fail = |fault: String| {
-                source.error_at(at, format!("the luminaire '{}' {fault}", names::short(&name)))
+                source.error_at(at, format!("the luminaire '{}' {fault}", names::short(&entry_name)))
             };
             if let Some(fault) = entry.fault() {
                 return Err(fail(fault));
             }
-            let mut members = members(entry, parts, surfaces).map_err(fail)?;
+            let mut lamps = lamps_of(entry, parts, surfaces).map_err(fail)?;
             if entry.emits == Some(EmitsKey::Both) {
-                add_other_sides(&mut members, parts, surfaces);
+                add_other_sides(&mut lamps, parts, surfaces);
             }
-            let name = if entry.name.is_some() && !taken.insert(name.clone()) {
-                return Err(fail("is there twice; names must differ".to_owned()));
-            } else if entry.name.is_some() {
-                name
-            } else {
-                names::unique(&name, &mut taken)
-            };
-            let number = luminaires.len() as u32;
-            let initial = light(entry, parts, surfaces, &members, number).map_err(|fault| {
-                source.error_at(at, format!("the luminaire '{}' {fault}", names::short(&name)))
-            })?;
-            if entry.emits == Some(EmitsKey::Back) {
-                // What is written for the other side changes places with it.
-                let both = |m: &Member| [Some(m.surface), parts.partner(m.surface)];
-                let mut turned: Vec<usize> = members.iter().flat_map(both).flatten().collect();
-                turned.sort_unstable();
-                turned.dedup();
-                turned.into_iter().for_each(|m| turn(&mut surfaces[m], normals));
+            if lamps.len() > 1 {
+                let object = names::short(entry.object.as_deref().unwrap_or_default());
+                let message = format!(
+                    "{} objects are named '{object}', and each is a lamp of its own; objects = [\"{object}\"] makes one lamp of all",
+                    lamps.len()
+                );
+                let finding = Finding::new(FindingKind::Lamp, Severity::Note, message);
+                findings.push(finding.counted(lamps.len()));
             }
-            luminaires.push(Luminaire { name, area: area(parts, surfaces, &members), initial });
+            let is_one = lamps.len() == 1;
+            for (k, members) in lamps.into_iter().enumerate() {
+                let object = &parts.objects[surfaces[members[0].surface].object as usize];
+                let name = match (&entry.name, is_one) {
+                    (Some(_), true) if !taken.insert(entry_name.clone()) => {
+                        return Err(fail("is there twice; names must differ".to_owned()));
+                    }
+                    (Some(_), true) => entry_name.clone(),
+                    (Some(_), false) => names::unique(&format!("{entry_name} {}", k + 1), &mut taken),
+                    (None, true) => names::unique(&entry_name, &mut taken),
+                    (None, false) => names::unique(&names::pretty(object), &mut taken),
+                };
+                let number = luminaires.len() as u32;
+                let initial = light(entry, parts, surfaces, &members, number).map_err(fail)?;
+                if entry.emits == Some(EmitsKey::Back) {
+                    // What is written for the other side changes places with it.
+                    let both = |m: &Member| [Some(m.surface), parts.partner(m.surface)];
+                    let mut turned: Vec<usize> = members.iter().flat_map(both).flatten().collect();
+                    turned.sort_unstable();
+                    turned.dedup();
+                    turned.into_iter().for_each(|m| turn(&mut surfaces[m], normals));
+                }
+                luminaires.push(Luminaire { name, area: area(parts, surfaces, &members), initial });
+            }
         }
     }
     let free = unclaimed(parts, surfaces);
+    findings.extend(emission_everywhere(parts, surfaces, &free));
     let mut materials_of: HashMap<u32, u32> = HashMap::new();
     free.iter().for_each(|((object, _), _)| *materials_of.entry(*object).or_default() += 1);
     for ((object, material), members) in free {
@@ -144,66 +166,67 @@ fn area(parts: &Parts<'_>, surfaces: &[Surface], members: &[Member]) -> f64 {
     members.iter().map(|m| of(&surfaces[m.surface])).sum()
 }
 
-/// Whether an entry's names select a surface.
-pub(super) fn selects(entry: &LuminaireEntry, object: &str, material: &str) -> bool {
-    let by_object = entry.objects().next().is_none() || entry.objects().any(|name| name == object);
-    let by_material = entry.materials().next().is_none() || entry.materials().any(|name| name == material);
-    by_object && by_material
+/// A warning where much of the model emits, and no sidecar says that it is to.
+fn emission_everywhere(
+    parts: &Parts<'_>,
+    surfaces: &[Surface],
+    free: &[((u32, u32), Vec<usize>)],
+) -> Option<Finding> {
+    let area = |surface: &Surface| surface_area(parts.positions, surface);
+    let emitting: f64 = free.iter().flat_map(|(_, members)| members).map(|&m| area(&surfaces[m])).sum();
+    let share = emitting / surfaces.iter().map(area).sum::<f64>();
+    if share.is_nan() || share <= MOST_EMITTING {
+        return None;
+    }
+    let materials = names::list(free.iter().map(|((_, m), _)| parts.materials[*m as usize].name.as_str()));
+    let message = format!(
+        "{:.0} % of the area emits light, by the Ke of {materials}; if these are no lamps, an exporter has \
+         written a Ke for them: remove it",
+        100.0 * share
+    );
+    Some(Finding::new(FindingKind::Lamp, Severity::Warning, message).counted(free.len()))
 }
 
-/// The surfaces of an entry: of those selected and free the ones that emit, or all if none does.
-fn members(entry: &LuminaireEntry, parts: &Parts<'_>, surfaces: &[Surface]) -> Result<Vec<Member>, String> {
-    for (kind, wanted, known) in [
-        (
-            "object",
-            entry.objects().collect::<Vec<_>>(),
-            parts.objects.iter().map(String::as_str).collect::<Vec<_>>(),
-        ),
-        ("material", entry.materials().collect(), parts.materials.iter().map(|m| m.name.as_str()).collect()),
-    ] {
-        if let Some(unknown) = wanted.into_iter().find(|name| !known.contains(name)) {
-            let near = names::list(names::nearest(unknown, known));
-            let unknown = names::short(unknown);
-            return Err(format!(
-                "asks for the {kind} '{unknown}', which is not there; the nearest names are {near}"
-            ));
-        }
-    }
-    let object_hit: Vec<bool> = parts
-        .objects
-        .iter()
-        .map(|o| entry.objects().next().is_none() || entry.objects().any(|n| n == o))
-        .collect();
-    let material_hit: Vec<bool> = parts
-        .materials
-        .iter()
-        .map(|m| entry.materials().next().is_none() || entry.materials().any(|n| n == m.name))
-        .collect();
-    let selected: Vec<usize> = (0..surfaces.len())
-        .filter(|&i| object_hit[surfaces[i].object as usize] && material_hit[surfaces[i].material as usize])
-        .collect();
-    if selected.is_empty() {
+/// The lamps of an entry by their surfaces: of those selected and free the ones that emit, or all if none
+/// does. An entry for one `object` makes a lamp of each that has this name in the file.
+fn lamps_of(
+    entry: &LuminaireEntry,
+    parts: &Parts<'_>,
+    surfaces: &[Surface],
+) -> Result<Vec<Vec<Member>>, String> {
+    let objects = shown_and_given(parts.objects, parts.given_objects);
+    let selection = Selection::of(entry, &objects, &material_names(parts.materials))?;
+    let mut members: Vec<usize> = (0..surfaces.len()).filter(|&i| selection.holds(&surfaces[i])).collect();
+    if members.is_empty() {
         return Err("selects no surface: no face of that object has that material".to_owned());
     }
-    let free: Vec<usize> = selected.into_iter().filter(|&i| surfaces[i].luminaire.is_none()).collect();
-    if free.is_empty() {
+    members.retain(|&i| surfaces[i].luminaire.is_none());
+    if members.is_empty() {
         return Err("selects only surfaces that an entry above it has taken".to_owned());
     }
-    let emitting: Vec<usize> = free.iter().copied().filter(|&i| emits(parts, &surfaces[i])).collect();
-    let chosen = if emitting.is_empty() { free } else { emitting };
-    Ok(chosen.into_iter().map(|m| Member { surface: m, like: m }).collect())
+    if members.iter().any(|&i| emits(parts, &surfaces[i])) {
+        members.retain(|&i| emits(parts, &surfaces[i]));
+    }
+    let mut by_object: BTreeMap<u32, Vec<Member>> = BTreeMap::new();
+    for member in members {
+        let object = if selection.each { surfaces[member].object } else { 0 };
+        by_object.entry(object).or_default().push(Member { surface: member, like: member });
+    }
+    Ok(by_object.into_values().collect())
 }
 
 /// Adds the faces that are written for the other sides of these, but for those that emit by themselves.
-fn add_other_sides(members: &mut Vec<Member>, parts: &Parts<'_>, surfaces: &[Surface]) {
-    let own: HashSet<usize> = members.iter().map(|m| m.surface).collect();
+fn add_other_sides(lamps: &mut [Vec<Member>], parts: &Parts<'_>, surfaces: &[Surface]) {
+    let own: HashSet<usize> = lamps.iter().flatten().map(|m| m.surface).collect();
     let is_free = |&other: &usize| {
         !own.contains(&other) && surfaces[other].luminaire.is_none() && !emits(parts, &surfaces[other])
     };
     let other_side =
         |like: usize| parts.partner(like).filter(is_free).map(|surface| Member { surface, like });
-    let others: Vec<Member> = members.iter().filter_map(|m| other_side(m.surface)).collect();
-    members.extend(others);
+    for members in lamps {
+        let others: Vec<Member> = members.iter().filter_map(|m| other_side(m.surface)).collect();
+        members.extend(others);
+    }
 }
 
 /// Sets the emission of a lamp's surfaces and returns its state.
@@ -401,6 +424,40 @@ mod tests {
             LampState { on: false, dimmer: 0.5, exitance: [1.0, 2.0, 3.0] }
         );
         assert!(!back.surfaces[3].emits_back);
+    }
+
+    /// Two downlights of one name, the second with two faces, and a third whose name differs in capitals.
+    const SAME: &str = "mtllib m.mtl\nv 0 0 0\nv 1 0 0\nv 1 0 1\nv 0 0 1\nv 0 2 0\nv 1 2 0\nv 1 2 1\nv 0 2 1\n\
+        o floor\nusemtl white\nf 4 3 2 1\no spot\nusemtl bright\nf 5 6 7\no spot\nf 5 7 8\no Desk_Lamp\nusemtl dim\nf 1 2 6 5\n";
+
+    #[test]
+    fn objects_of_one_name_are_lamps_of_their_own() {
+        let read = |entry: &str| from_text("t", SAME, MTL, Some(&format!("[[luminaire]]\n{entry}"))).unwrap();
+        let names = |scene: &Scene| scene.luminaires.iter().map(|l| l.name.clone()).collect::<Vec<_>>();
+        let plain = from_text("t", SAME, MTL, None).unwrap();
+        assert_eq!(names(&plain), ["Spot 1", "Spot 2", "Desk Lamp"]);
+        let each = read("object = \"spot\"\nlumens = 800");
+        assert_eq!(names(&each), ["Spot 1", "Spot 2", "Desk Lamp"]);
+        assert!(lumens(&each)[..2].iter().all(|[full, _]| (full - 800.0).abs() < 1e-9));
+        assert!(each.findings.iter().any(|f| f.message.starts_with("2 objects are named 'spot'")));
+        assert_eq!(names(&read("object = \"spot\"\nname = \"Hall\"")), ["Hall 1", "Hall 2", "Desk Lamp"]);
+        let one = read("objects = [\"spot\"]\nlumens = 800");
+        assert_eq!(names(&one), ["Spot", "Desk Lamp"]);
+        assert!((lumens(&one)[0][0] - 800.0).abs() < 1e-9);
+        assert_eq!(names(&read("object = \"SPOT 2\"")), ["SPOT 2", "Spot 1", "Desk Lamp"]);
+        assert_eq!(names(&read("object = \"desk lamp\"\nname = \"D\"")), ["D", "Spot 1", "Spot 2"]);
+    }
+
+    #[test]
+    fn emission_on_everything_is_told_with_its_share() {
+        let told =
+            |scene: &Scene| scene.findings.iter().find(|f| f.message.contains("of the area emits")).cloned();
+        let all =
+            from_text("t", SAME, &MTL.replace("Kd 0.8 0.8 0.8", "Kd 0.8 0.8 0.8\nKe 1 1 1"), None).unwrap();
+        let finding = told(&all).unwrap();
+        assert!(finding.message.starts_with("100 % of the area") && finding.severity == Severity::Warning);
+        let sidecar = "[[luminaire]]\nmaterials = [\"bright\", \"dim\"]";
+        assert_eq!(told(&from_text("t", SAME, MTL, Some(sidecar)).unwrap()), None);
     }
 
     #[test]

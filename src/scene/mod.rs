@@ -14,6 +14,7 @@
 //! them has one, all of them emit. Surfaces with Ke that no entry selects make one luminaire for
 //! each object and material.
 
+mod add_lamps;
 pub mod builtin;
 mod colour;
 mod doctor;
@@ -22,24 +23,32 @@ mod extent;
 mod finding;
 mod frame;
 mod import;
+mod library;
+mod lookup;
 mod luminaires;
+mod map;
 mod mend;
 mod mtl;
 mod names;
 mod obj;
 mod outlines;
+mod placed;
+mod polygons;
 mod repair;
+mod selection;
 mod sidecar;
 mod sidecar_write;
 mod sides;
 mod space;
 mod summary;
 mod tally;
+mod text;
 mod textures;
 mod types;
 mod up_axis;
 mod views;
 
+pub use add_lamps::ceiling_lamps;
 pub use colour::black_body;
 pub use doctor::{Crossing, Examination, check, examine};
 pub use error::SceneError;
@@ -50,6 +59,7 @@ pub use luminaires::lumens;
 pub use mend::{Mended, mend};
 pub use names::nearest as nearest_names;
 pub(crate) use names::{grouped, list as name_list};
+pub use placed::{LampColour, LampKind, PlacedLamp};
 pub use sidecar_write::{sidecar_text, write_frame, write_sidecar};
 pub use summary::{LuminaireSummary, MaterialSummary, Summary};
 pub use types::{

@@ -5,20 +5,23 @@ use std::collections::HashSet;
 
 /// `'a', 'b' and 3 more`: at most four names, each once, in the order given.
 pub(crate) fn list<'a>(names: impl IntoIterator<Item = &'a str>) -> String {
-    const SHOWN: usize = 4;
     let mut seen = HashSet::new();
-    let distinct: Vec<&str> = names.into_iter().filter(|name| seen.insert(*name)).collect();
+    let distinct = names.into_iter().filter(|name| seen.insert(*name));
+    joined(&distinct.map(|name| format!("'{}'", short(name))).collect::<Vec<_>>())
+}
+
+/// `a, b and 3 more`: at most four things, as they are.
+pub(super) fn joined(things: &[String]) -> String {
+    const SHOWN: usize = 4;
     // "and 1 more" would take as much room as the name itself.
-    let shown = if distinct.len() == SHOWN + 1 { SHOWN + 1 } else { SHOWN.min(distinct.len()) };
-    let mut text: Vec<String> = distinct[..shown].iter().map(|name| format!("'{}'", short(name))).collect();
-    let rest = distinct.len() - shown;
-    if rest > 0 {
-        return format!("{} and {rest} more", text.join(", "));
-    }
-    match text.pop() {
-        Some(last) if !text.is_empty() => format!("{} and {last}", text.join(", ")),
-        Some(last) => last,
-        None => "none".to_owned(),
+    let shown = if things.len() == SHOWN + 1 { SHOWN + 1 } else { SHOWN.min(things.len()) };
+    match &things[..shown] {
+        [] => "none".to_owned(),
+        shown if shown.len() < things.len() => {
+            format!("{} and {} more", shown.join(", "), things.len() - shown.len())
+        }
+        [one] => one.clone(),
+        [others @ .., last] => format!("{} and {last}", others.join(", ")),
     }
 }
 

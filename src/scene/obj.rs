@@ -1,31 +1,30 @@
-//! OBJ text to polygons. `tobj` parses; the scan before it finds what `tobj` cannot tell: line
+//! The lines of an OBJ file. `tobj` parses them; the scan before it finds what `tobj` cannot tell: line
 //! numbers, which indices and numbers are wrong, objects apart from groups, unknown materials.
 //!
 //! The scan writes a clean text for `tobj`: continuation lines joined, comments cut, faces with
-//! fewer than three corners and all lines but `v`, `vt`, `vn`, `f` left out, and `o N` with the
-//! number of an entry in [`Obj::objects`] before the faces that belong to it.
+//! fewer than three corners and all lines but `v`, `vt`, `vn`, `f` left out, and `o N` and `usemtl N`
+//! with numbers of entries in [`Obj::objects`] and [`Scan::materials`] before the faces that belong to
+//! them.
 
 use super::error::SceneError;
-use super::finding::{Finding, FindingKind, MOST_PLACES, Places, Severity};
+use super::finding::{Finding, FindingKind, MOST_PLACES, Places, Severity, line_list};
 use super::names;
+use super::text::{keyword, logical_lines, number, words};
 use crate::watch::Watch;
 use glam::{DVec2, DVec3};
-use std::collections::{HashMap, HashSet};
+use std::collections::HashMap;
 use std::fmt::Write as _;
-use std::hash::Hash;
-use std::io::{self, BufRead, Read};
 
 /// Name of the material of faces that name none.
 pub(super) const NO_MATERIAL: &str = "default";
 
 /// No building comes near this, and squares of such lengths stay well within range.
 const LARGEST_COORDINATE: f64 = 1e12;
+/// No image is repeated more often across a surface.
+const LARGEST_UV: f64 = 1e9;
 
-/// Lines scanned and bytes parsed between two looks at whether to go on.
+/// Lines scanned between two looks at whether to go on.
 const WATCHED_LINES: usize = 1024;
-const WATCHED_BYTES: usize = 1 << 16;
-/// Share of the time that `tobj` takes of parsing, about.
-const PARSED: f64 = 0.7;
 
 /// The polygons of a file, in its own unit and in its order.
 #[derive(Clone, Debug, Default)]
@@ -36,7 +35,10 @@ pub(super) struct Obj {
     pub(super) normals: Vec<DVec3>,
     pub(super) uvs: Vec<DVec2>,
     pub(super) faces: Vec<Face>,
+    /// Names that are shown and that differ from one another.
     pub(super) objects: Vec<String>,
+    /// Names as the file gives them: each `o` statement begins an object of its own, whatever its name.
+    pub(super) given_objects: Vec<String>,
 }
 
 /// A polygon as the file gives it.
@@ -53,53 +55,26 @@ pub(super) struct Face {
 /// What the scan of the text found.
 #[derive(Debug, Default)]
 pub(super) struct Scan {
-    clean: String,
-    marks: Vec<Mark>,
-    objects: Vec<String>,
+    /// The text for `tobj`.
+    pub(super) clean: String,
+    /// One for each face of the clean text.
+    pub(super) marks: Vec<Mark>,
+    /// Names of objects as the file gives them.
+    pub(super) objects: Vec<String>,
     /// Material libraries with their lines.
     pub(super) libraries: Vec<(String, usize)>,
-    /// Materials that faces use, each once, in order.
+    /// Materials that faces use, each once, in order; [`Face::material`] points here.
     pub(super) materials: Vec<String>,
     pub(super) findings: Vec<Finding>,
 }
 
 /// What is known of a face besides what `tobj` tells.
 #[derive(Clone, Copy, Debug)]
-struct Mark {
-    line: u32,
-    corners: u32,
-    has_uvs: bool,
-    has_normals: bool,
-}
-
-/// Splits text into logical lines: continuations joined, each with its (first) number from one.
-pub(super) fn logical_lines(text: &str) -> impl Iterator<Item = (usize, std::borrow::Cow<'_, str>)> {
-    let text = text.strip_prefix('\u{feff}').unwrap_or(text);
-    let mut lines = text.lines().enumerate();
-    std::iter::from_fn(move || {
-        let (index, first) = lines.next()?;
-        let mut line = std::borrow::Cow::Borrowed(first.trim());
-        while line.ends_with('\\') {
-            let joined = line.to_mut();
-            joined.pop();
-            joined.push(' ');
-            joined.push_str(lines.next().map_or("", |(_, next)| next.trim()));
-        }
-        Some((index + 1, line))
-    })
-}
-
-/// The first word of a line and the trimmed rest.
-pub(super) fn keyword(line: &str) -> (&str, &str) {
-    match line.split_once(char::is_whitespace) {
-        Some((word, rest)) => (word, rest.trim()),
-        None => (line, ""),
-    }
-}
-
-/// The words of a line up to a comment.
-pub(super) fn words(rest: &str) -> impl Iterator<Item = &str> {
-    rest.split_whitespace().take_while(|word| !word.starts_with('#'))
+pub(super) struct Mark {
+    pub(super) line: u32,
+    pub(super) corners: u32,
+    pub(super) has_uvs: bool,
+    pub(super) has_normals: bool,
 }
 
 /// Reads the text once, checks every line that matters and writes a clean one.
@@ -122,18 +97,29 @@ struct Scanner<'a> {
     normals: usize,
     object: String,
     group: String,
-    object_numbers: HashMap<String, usize>,
-    known_materials: HashSet<String>,
+    /// Counts `o` statements.
+    serial: usize,
+    /// Numbers of objects by the `o` statement and the name.
+    object_numbers: HashMap<(usize, String), usize>,
+    material_numbers: HashMap<String, usize>,
     /// Number of the object that the clean text is in, and its material.
     current_object: Option<usize>,
     current_material: Option<String>,
     names_changed: bool,
     material_changed: bool,
     any_face: bool,
-    /// Their lines.
+    /// Lines of what was dropped.
     short_faces: Vec<u32>,
+    lost_uvs: Vec<u32>,
+    lost_normals: Vec<u32>,
+    broken_normals: Vec<u32>,
+    broken_uvs: Vec<u32>,
+    empty: Vec<u32>,
+    /// Which of the texture coordinates can be used.
+    usable_uvs: Vec<bool>,
     unread: Vec<String>,
-    broken_normals: usize,
+    /// Corners with a colour.
+    coloured: usize,
 }
 
 impl Scanner<'_> {
@@ -149,33 +135,31 @@ impl Scanner<'_> {
             }
             let (word, rest) = keyword(&content);
             anything |= !word.is_empty();
-            match word {
-                "v" => self.vector::<3>(line, "v", rest)?,
-                "vn" => self.vector::<3>(line, "vn", rest)?,
-                "vt" => self.vector::<2>(line, "vt", rest)?,
+            match &*word {
+                "v" => self.position(line, rest)?,
+                "vn" => self.attribute::<3>(line, "vn", rest),
+                "vt" => self.attribute::<2>(line, "vt", rest),
                 "f" | "fo" => self.face(line, rest)?,
                 "o" => {
-                    self.object = rest.split_whitespace().collect::<Vec<_>>().join(" ");
+                    self.object = rest.to_owned();
+                    self.serial += 1;
                     self.group.clear();
                     self.names_changed = true;
                 }
                 "g" => {
-                    self.group = rest.split_whitespace().collect::<Vec<_>>().join(" ");
+                    self.group = rest.to_owned();
                     self.names_changed = true;
                 }
                 "usemtl" => {
                     self.current_material = Some(rest.to_owned()).filter(|name| !name.is_empty());
                     self.material_changed = true;
                 }
-                "mtllib" if rest.is_empty() => {
-                    let message = "'mtllib' names no file; name an MTL file or remove the line";
-                    return Err(SceneError::line(self.file, line, message));
-                }
+                "mtllib" if rest.is_empty() => self.empty.push(line as u32),
                 "mtllib" => self.scan.libraries.push((rest.to_owned(), line)),
                 // Lines, points and smoothing groups carry no area; comments are skipped.
                 "" | "s" | "l" | "p" | "lod" | "vp" => {}
                 _ if word.starts_with('#') => {}
-                _ => self.unread.push(word.to_owned()),
+                _ => self.unread.push(word.into_owned()),
             }
         }
         if !anything {
@@ -189,26 +173,70 @@ impl Scanner<'_> {
     }
 
     fn report(&mut self) {
-        let short = self.short_faces.len();
-        if let Some(first) = self.short_faces.first() {
-            let message =
-                format!("faces with fewer than three corners were dropped ({short}, first in line {first})");
-            let lines = self.short_faces.iter().copied().take(MOST_PLACES).collect();
+        use {FindingKind as Kind, Severity as Level};
+        let tallies = [
+            (
+                &self.short_faces,
+                Kind::Degenerate,
+                Level::Warning,
+                "faces with fewer than three corners were dropped",
+                "they have no area to carry light",
+            ),
+            (
+                &self.lost_uvs,
+                Kind::Material,
+                Level::Warning,
+                "faces that ask for texture coordinates that are not there have none",
+                "where they have an image its mean counts",
+            ),
+            (
+                &self.lost_normals,
+                Kind::Normals,
+                Level::Warning,
+                "faces that ask for vertex normals that are not there have none",
+                "they are shaded flat",
+            ),
+            (
+                &self.broken_normals,
+                Kind::Normals,
+                Level::Warning,
+                "vertex normals that are no numbers were ignored",
+                "their faces are shaded flat",
+            ),
+            (
+                &self.broken_uvs,
+                Kind::Material,
+                Level::Warning,
+                "texture coordinates that are no usable numbers were ignored",
+                "where their faces have an image its mean counts",
+            ),
+            (&self.empty, Kind::File, Level::Note, "statements that name no file were left out", ""),
+        ];
+        for (lines, kind, severity, what, consequence) in tallies {
+            if lines.is_empty() {
+                continue;
+            }
+            let message = format!("{what} ({}{})", lines.len(), line_list(lines, lines.len()));
+            let lines_shown = lines.iter().copied().take(MOST_PLACES).collect();
             self.scan.findings.push(
-                Finding::new(FindingKind::Degenerate, Severity::Warning, message)
-                    .counted(short)
-                    .with("they have no area to carry light")
-                    .at(Places { lines, ..Places::default() }),
+                Finding::new(kind, severity, message)
+                    .counted(lines.len())
+                    .with(consequence)
+                    .at(Places { lines: lines_shown, ..Places::default() }),
             );
         }
-        if self.broken_normals > 0 {
-            let message =
-                format!("vertex normals that are no numbers were ignored ({})", self.broken_normals);
-            self.scan.findings.push(
-                Finding::new(FindingKind::Normals, Severity::Warning, message)
-                    .counted(self.broken_normals)
-                    .with("their faces are shaded flat"),
+        if self.coloured > 0 {
+            // Without materials the colours may be all that the file says of its surfaces.
+            let severity = match self.scan.materials.iter().all(|name| name == NO_MATERIAL) {
+                true => Severity::Warning,
+                false => Severity::Note,
+            };
+            let message = format!(
+                "colours of corners are not read ({}); materials alone say what reflects",
+                names::grouped(self.coloured as i64)
             );
+            let finding = Finding::new(FindingKind::Material, severity, message);
+            self.scan.findings.push(finding.counted(self.coloured));
         }
         if !self.unread.is_empty() {
             let count = self.unread.len();
@@ -219,62 +247,74 @@ impl Scanner<'_> {
         }
     }
 
-    /// A `v`, `vt` or `vn` line; what follows the first N numbers (w, vertex colours) has no use here.
-    fn vector<const N: usize>(&mut self, line: usize, kind: &str, rest: &str) -> Result<(), SceneError> {
-        let mut values = [0.0_f64; N];
-        let mut count = 0;
-        for (value, word) in values.iter_mut().zip(words(rest)) {
-            *value = word.parse().map_err(|_| {
-                let message = format!("'{}' is not a number", names::short(word));
-                SceneError::line(self.file, line, message)
-            })?;
-            count += 1;
-        }
-        // A texture coordinate may come without its second number.
-        let needed = if kind == "vt" { 1 } else { N };
-        if count < needed {
-            let message = format!("'{kind}' needs {needed} numbers and has {count}; the line seems cut off");
-            return Err(SceneError::line(self.file, line, message));
+    /// A `v` line. Colours may follow the three numbers, or a weight, which has no use here.
+    fn position(&mut self, line: usize, rest: &str) -> Result<(), SceneError> {
+        let fail = |message: String| SceneError::line(self.file, line, message);
+        let mut words = words(rest);
+        let (values, count) = numbers::<3>(&mut words).map_err(fail)?;
+        if count < 3 {
+            return Err(fail(format!("'v' needs 3 numbers and has {count}; the line seems cut off")));
         }
         if values.iter().any(|v| !v.is_finite()) {
-            if kind == "v" {
-                let message = "a coordinate is not a finite number; export the model again";
-                return Err(SceneError::line(self.file, line, message));
+            let message = "a coordinate is not a finite number; export the model again";
+            return Err(fail(message.to_owned()));
+        }
+        if let Some(large) = values.iter().find(|v| v.abs() > LARGEST_COORDINATE) {
+            return Err(fail(format!("the coordinate {large:e} is larger than any building")));
+        }
+        self.coloured += usize::from(words.count() >= 3);
+        self.positions += 1;
+        self.write("v", values);
+        Ok(())
+    }
+
+    /// A `vt` or `vn` line. Light can do without it, so that one that is damaged is no reason to refuse.
+    fn attribute<const N: usize>(&mut self, line: usize, kind: &str, rest: &str) {
+        // A texture coordinate may come without its second number.
+        let (is_uv, needed) = (kind == "vt", if kind == "vt" { 1 } else { N });
+        let largest = if is_uv { LARGEST_UV } else { f64::MAX };
+        let read = numbers::<N>(&mut words(rest)).ok().filter(|(values, count)| {
+            *count >= needed && values.iter().all(|v| v.is_finite() && v.abs() <= largest)
+        });
+        let is_usable = read.is_some();
+        match is_uv {
+            true => {
+                self.uvs += 1;
+                self.usable_uvs.push(is_usable);
+                self.broken_uvs.extend((!is_usable).then_some(line as u32));
             }
-            self.broken_normals += usize::from(kind == "vn");
-            values = [0.0; N];
+            false => {
+                self.normals += 1;
+                self.broken_normals.extend((!is_usable).then_some(line as u32));
+            }
         }
-        if kind == "v"
-            && let Some(large) = values.iter().find(|v| v.abs() > LARGEST_COORDINATE)
-        {
-            let message = format!("the coordinate {large:e} is larger than any building");
-            return Err(SceneError::line(self.file, line, message));
-        }
-        match kind {
-            "v" => self.positions += 1,
-            "vt" => self.uvs += 1,
-            _ => self.normals += 1,
-        }
+        self.write(kind, read.map_or([0.0; N], |(values, _)| values));
+    }
+
+    fn write<const N: usize>(&mut self, kind: &str, values: [f64; N]) {
         self.scan.clean.push_str(kind);
         for value in values {
             let _ = write!(self.scan.clean, " {value:e}");
         }
         self.scan.clean.push('\n');
-        Ok(())
     }
 
     fn face(&mut self, line: usize, rest: &str) -> Result<(), SceneError> {
         self.any_face = true;
         let mut corners = Vec::with_capacity(4);
+        let mut lost = [false; 3];
         for word in words(rest) {
-            corners.push(self.corner(line, word)?);
+            corners.push(self.corner(line, word, &mut lost)?);
         }
+        self.lost_uvs.extend(lost[1].then_some(line as u32));
+        self.lost_normals.extend(lost[2].then_some(line as u32));
         if corners.len() < 3 {
             self.short_faces.push(line as u32);
             return Ok(());
         }
         self.open_object();
-        let has_uvs = corners.iter().all(|c| c[1].is_some());
+        let is_usable = |uv: usize| self.usable_uvs.get(uv).is_some_and(|usable| *usable);
+        let has_uvs = corners.iter().all(|c| c[1].is_some_and(is_usable));
         let has_normals = corners.iter().all(|c| c[2].is_some());
         self.scan.marks.push(Mark { line: line as u32, corners: corners.len() as u32, has_uvs, has_normals });
         self.scan.clean.push('f');
@@ -291,34 +331,41 @@ impl Scanner<'_> {
         Ok(())
     }
 
-    /// Indices from zero of `v`, `v/vt`, `v//vn` or `v/vt/vn`.
-    fn corner(&self, line: usize, word: &str) -> Result<[Option<usize>; 3], SceneError> {
-        let kinds = [("vertex", self.positions), ("texture coordinate", self.uvs), ("normal", self.normals)];
+    /// Indices from zero of `v`, `v/vt`, `v//vn` or `v/vt/vn`. Those of texture coordinates and normals
+    /// that are not there are left out and marked as `lost`: the face can do without.
+    fn corner(
+        &self,
+        line: usize,
+        word: &str,
+        lost: &mut [bool; 3],
+    ) -> Result<[Option<usize>; 3], SceneError> {
+        let counts = [self.positions, self.uvs, self.normals];
         let mut corner = [None; 3];
         for (k, part) in word.split('/').enumerate() {
-            let Some((kind, count)) = kinds.get(k) else {
+            let Some(&count) = counts.get(k) else {
                 let message = format!("the corner '{}' has more than three indices", names::short(word));
                 return Err(SceneError::line(self.file, line, message));
             };
             if part.is_empty() && k > 0 {
                 continue;
             }
-            let index: i64 = part.parse().map_err(|_| {
-                let message = format!("the corner '{}' is not made of whole numbers", names::short(word));
-                SceneError::line(self.file, line, message)
-            })?;
-            let resolved = match index {
-                1.. => usize::try_from(index - 1).ok(),
+            let index: Option<i64> = part.parse().ok();
+            corner[k] = index.and_then(|index| match index {
+                1.. => usize::try_from(index - 1).ok().filter(|i| *i < count),
                 0 => None,
                 _ => usize::try_from(index.unsigned_abs()).ok().and_then(|back| count.checked_sub(back)),
+            });
+            lost[k] |= corner[k].is_none();
+            let message = match (k, corner[k], index) {
+                (0, None, None) => {
+                    format!("the corner '{}' is not made of whole numbers", names::short(word))
+                }
+                (0, None, Some(index)) => format!(
+                    "the face asks for vertex {index}, and {count} of them stand above it; the file is cut off or damaged"
+                ),
+                _ => continue,
             };
-            corner[k] = resolved.filter(|i| i < count);
-            if corner[k].is_none() {
-                let message = format!(
-                    "the face asks for {kind} {index}, and {count} of them stand above it; the file is cut off or damaged"
-                );
-                return Err(SceneError::line(self.file, line, message));
-            }
+            return Err(SceneError::line(self.file, line, message));
         }
         Ok(corner)
     }
@@ -334,7 +381,7 @@ impl Scanner<'_> {
                 (object, group) => format!("{object}/{group}"),
             };
             let objects = &mut self.scan.objects;
-            let number = *self.object_numbers.entry(name).or_insert_with_key(|name| {
+            let number = *self.object_numbers.entry((self.serial, name)).or_insert_with_key(|(_, name)| {
                 objects.push(name.clone());
                 objects.len() - 1
             });
@@ -346,138 +393,42 @@ impl Scanner<'_> {
         if self.material_changed {
             self.material_changed = false;
             let name = self.current_material.as_deref().unwrap_or(NO_MATERIAL);
-            if self.known_materials.insert(name.to_owned()) {
-                self.scan.materials.push(name.to_owned());
-            }
-            let _ = writeln!(self.scan.clean, "usemtl {name}");
-        }
-    }
-}
-
-/// Lets `tobj` parse the clean text and gathers its models into one list of polygons.
-///
-/// `materials` holds every material that the scan found in use.
-pub(super) fn parse(
-    file: &str,
-    scan: Scan,
-    materials: &tobj::MTLLoadResult,
-    watch: &mut Watch<'_>,
-) -> Result<Obj, SceneError> {
-    let options = tobj::LoadOptions { triangulate: false, single_index: false, ..Default::default() };
-    let whole = scan.clean.as_bytes();
-    let mut reader = WatchedText { whole, read: 0, watch: watch.part(0.0, PARSED) };
-    let parsed = tobj::load_obj_buf(&mut reader, &options, |_| materials.clone());
-    watch.done(PARSED)?;
-    let (models, _) =
-        parsed.map_err(|error| SceneError::file(file, format!("the OBJ text cannot be parsed ({error})")))?;
-    let mut obj = Obj { objects: scan.objects, ..Obj::default() };
-    let (mut positions, mut normals, mut uvs) = (Pool::default(), Pool::default(), Pool::default());
-    let mut marks = scan.marks.iter();
-    let unexpected = || SceneError::file(file, "the parsed faces do not match those in the text");
-    for model in &models {
-        let mesh = &model.mesh;
-        if mesh.indices.is_empty() {
-            continue;
-        }
-        let object: u32 = model.name.parse().map_err(|_| unexpected())?;
-        let material = mesh.material_id.ok_or_else(unexpected)? as u32;
-        let place: Vec<u32> = triples(&mesh.positions).map(|p| positions.index(p)).collect();
-        let normal: Vec<u32> = triples(&mesh.normals).map(|n| normals.index(n)).collect();
-        let uv: Vec<u32> = mesh.texcoords.as_chunks::<2>().0.iter().map(|&t| uvs.index(t)).collect();
-        watch.done(PARSED + (1.0 - PARSED) * obj.faces.len() as f64 / scan.marks.len() as f64)?;
-        let mut start = 0;
-        while start < mesh.indices.len() {
-            let mark = *marks.next().ok_or_else(unexpected)?;
-            let range = start..start + mark.corners as usize;
-            start = range.end;
-            let look_up = |list: &[u32], indices: &[u32], k: usize| -> Option<u32> {
-                indices.get(k).and_then(|&i| list.get(i as usize)).copied()
+            let materials = &mut self.scan.materials;
+            let number = match self.material_numbers.get(name) {
+                Some(&number) => number,
+                None => {
+                    self.material_numbers.insert(name.to_owned(), materials.len());
+                    materials.push(name.to_owned());
+                    materials.len() - 1
+                }
             };
-            let corners: Option<Vec<_>> = range
-                .map(|k| {
-                    let normal =
-                        mark.has_normals.then(|| look_up(&normal, &mesh.normal_indices, k)).flatten();
-                    let uv = mark.has_uvs.then(|| look_up(&uv, &mesh.texcoord_indices, k)).flatten();
-                    Some((look_up(&place, &mesh.indices, k)?, normal, uv))
-                })
-                .collect();
-            let corners = corners.ok_or_else(unexpected)?;
-            obj.faces.push(Face { corners, object, material, line: mark.line });
+            let _ = writeln!(self.scan.clean, "usemtl {number}");
         }
     }
-    obj.positions = positions.values.into_iter().map(DVec3::from).collect();
-    obj.normals = normals.values.into_iter().map(DVec3::from).collect();
-    obj.uvs = uvs.values.into_iter().map(DVec2::from).collect();
-    Ok(obj)
 }
 
-/// A text that is watched while it is read.
-struct WatchedText<'a, 'w> {
-    whole: &'a [u8],
-    read: usize,
-    watch: Watch<'w>,
-}
-
-impl BufRead for WatchedText<'_, '_> {
-    fn fill_buf(&mut self) -> io::Result<&[u8]> {
-        let left = &self.whole[self.read..];
-        let share = self.read as f64 / self.whole.len().max(1) as f64;
-        self.watch.done(share).map_err(|_| io::Error::other("cancelled"))?;
-        Ok(&left[..left.len().min(WATCHED_BYTES)])
+/// At most `N` numbers of a line, and how many there are.
+fn numbers<'a, const N: usize>(
+    words: &mut impl Iterator<Item = &'a str>,
+) -> Result<([f64; N], usize), String> {
+    let mut values = [0.0_f64; N];
+    let mut count = 0;
+    for (value, word) in values.iter_mut().zip(words) {
+        *value = number(word)?;
+        count += 1;
     }
-
-    fn consume(&mut self, amount: usize) {
-        self.read = (self.read + amount).min(self.whole.len());
-    }
-}
-
-impl Read for WatchedText<'_, '_> {
-    fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
-        let count = self.fill_buf()?.read(buffer)?;
-        self.consume(count);
-        Ok(count)
-    }
-}
-
-fn triples(flat: &[f64]) -> impl Iterator<Item = [f64; 3]> {
-    flat.as_chunks::<3>().0.iter().copied()
-}
-
-/// Distinct values in the order of their first use.
-struct Pool<const N: usize> {
-    values: Vec<[f64; N]>,
-    numbers: HashMap<[u64; N], u32>,
-}
-
-impl<const N: usize> Default for Pool<N>
-where
-    [u64; N]: Hash + Eq,
-{
-    fn default() -> Self {
-        Self { values: Vec::new(), numbers: HashMap::new() }
-    }
-}
-
-impl<const N: usize> Pool<N> {
-    fn index(&mut self, value: [f64; N]) -> u32 {
-        // Adding zero makes -0 equal to 0 bit for bit.
-        *self.numbers.entry(value.map(|v| (v + 0.0).to_bits())).or_insert_with(|| {
-            self.values.push(value);
-            self.values.len() as u32 - 1
-        })
-    }
+    Ok((values, count))
 }
 
 #[cfg(test)]
 mod tests {
+    use super::super::polygons::parse;
     use super::*;
 
     fn read(text: &str) -> Result<(Obj, Vec<String>), SceneError> {
         let scan = Watch::nobody(|watch| scan("t.obj", "t", text, watch))?;
         let names = scan.materials.clone();
-        let mtl: String = names.iter().map(|n| format!("newmtl {n}\n")).collect();
-        let materials = tobj::load_mtl_buf(&mut mtl.as_bytes());
-        Watch::nobody(|watch| parse("t.obj", scan, &materials, watch)).map(|obj| (obj, names))
+        Watch::nobody(|watch| polygons::parse("t.obj", scan, watch)).map(|obj| (obj, names))
     }
 
     const SQUARE: &str = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n";
@@ -526,10 +477,10 @@ mod tests {
             ("v 0 0 0\nf 1 2 3", "t.obj, line 2: the face asks for vertex 2, and 1 of them"),
             ("v 0 0 0\nf 0 1 1", "t.obj, line 2: the face asks for vertex 0"),
             ("v 0 0 0\nf -2 1 1", "asks for vertex -2"),
-            ("v 0 0 0\nf 1//1 1//1 1//1", "asks for normal 1, and 0 of them"),
             ("v 0 0 0\nf 99999999999999999999 1 1", "is not made of whole numbers"),
             ("v 0 0 0\nf -9223372036854775808 1 1", "asks for vertex -9223372036854775808"),
-            ("v 0 0 0\nf 1/1/1/1 1 1", "asks for texture coordinate 1"),
+            ("v 0 0 0\nf 1/1/1/1 1 1", "has more than three indices"),
+            ("v 0 0,5 0\nf 1 1 1", "'0,5' is not a number: it has a decimal comma"),
             ("v 0 0 0\nvt 0\nvn 0 0 1\nf 1/1/1/1 1 1", "has more than three indices"),
             (" \n\n", "t.obj: the file is empty"),
             ("v 0 0 0\n", "t.obj: the file holds no faces"),
@@ -540,12 +491,60 @@ mod tests {
     }
 
     #[test]
+    fn what_light_can_do_without_is_left_out_and_told() {
+        let lines = "vt 0 0\nvt nan 0\nvt\nvt 2e9 0\nvn 0 zero 1\nvn 0 0 1\nMTLLIB\n";
+        let faces = "f 1/1 2/1 3/9\nf 1//2 2//2 3//-7\nf 1/1/2 2/1/2 3/x/2\nf 1/2 2/1 3/1\nF 1/1 2/1 3/1\n";
+        let text = format!("{SQUARE}{lines}{faces}");
+        let found = scan("t.obj", "t", &text).unwrap().findings;
+        for (message, count) in [
+            ("texture coordinates that are not there have none (2, lines 12, 14)", 2),
+            ("vertex normals that are not there have none (1, line 13)", 1),
+            ("vertex normals that are no numbers were ignored (1, line 9)", 1),
+            ("texture coordinates that are no usable numbers were ignored (3, lines 6, 7, 8)", 3),
+            ("statements that name no file were left out (1, line 11)", 1),
+        ] {
+            assert!(found.iter().any(|f| f.message.contains(message) && f.count == count), "{found:?}");
+        }
+        let (obj, _) = read(&text).unwrap();
+        let has =
+            |face: usize| (obj.faces[face].corners[2].2.is_some(), obj.faces[face].corners[2].1.is_some());
+        assert_eq!(
+            (0..5).map(has).collect::<Vec<_>>(),
+            [(false, false), (false, false), (false, true), (false, false), (true, false)]
+        );
+    }
+
+    #[test]
+    fn each_object_statement_begins_an_object_and_groups_of_one_name_are_one() {
+        let text = format!(
+            "{SQUARE}o lamp\nf 1 2 3\no lamp\nf 1 2 4\no lamp 1\nf 2 3 4\no box\ng a\nf 1 2 3\ng b\nf 1 2 3\ng a\nf 2 3 4\no lamp\nf 1 3 4\n"
+        );
+        let (obj, _) = read(&text).unwrap();
+        assert_eq!(obj.objects, ["lamp 2", "lamp 3", "lamp 1", "box/a", "box/b", "lamp 4"]);
+        assert_eq!(obj.given_objects, ["lamp", "lamp", "lamp 1", "box/a", "box/b", "lamp"]);
+        assert_eq!(obj.faces.iter().map(|f| f.object).collect::<Vec<_>>(), [0, 1, 2, 3, 4, 3, 5]);
+    }
+
+    #[test]
+    fn colours_of_corners_are_named() {
+        let coloured = "v 0 0 0 1 0 0\nv 1 0 0 0 1 0\nv 1 1 0 1.0\nf 1 2 3\n";
+        let level = |text: &str| {
+            let scan = scan("t.obj", "t", text).unwrap();
+            let found = scan.findings.iter().find(|f| f.message.contains("colours of corners"));
+            found.map(|f| (f.severity, f.count))
+        };
+        assert_eq!(level(coloured), Some((Severity::Warning, 2)));
+        assert_eq!(level(&format!("usemtl a\n{coloured}")), Some((Severity::Note, 2)));
+        assert_eq!(level("v 0 0 0 1\nv 1 0 0 1 # red\nv 0 1 0\nf 1 2 3\n"), None);
+    }
+
+    #[test]
     fn short_faces_and_unknown_words_are_counted() {
         let text = format!("{SQUARE}f 1 2\nf 1\nf 1 2 3\ncurv2 1 2 3\n");
         let scan = Watch::nobody(|watch| scan("t.obj", "t", &text, watch)).unwrap();
         assert_eq!(scan.marks.len(), 1);
         assert_eq!(scan.findings[0].count, 2);
-        assert!(scan.findings[0].message.contains("line 5"), "{}", scan.findings[0].message);
+        assert!(scan.findings[0].message.contains("(2, lines 5, 6)"), "{}", scan.findings[0].message);
         assert!(scan.findings[1].message.contains("'curv2'"));
     }
 }

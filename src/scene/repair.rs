@@ -2,13 +2,15 @@
 //! Whatever is dropped or changed is counted and named by object.
 
 use super::doctor::WELD;
+use super::doctor::topology::weld;
+use super::extent::{Extent, Footprint};
 use super::finding::{Finding, FindingKind, Severity};
 use super::obj::{Face, Obj};
 use super::outlines::{Indices, in_plane, is_simple, plane, widest_plane, without_repetitions};
 use super::sides::{self, Ring};
 use super::tally::Tally;
 use super::types::{Corner, Surface};
-use crate::geometry::{Aabb, Frame, polygon};
+use crate::geometry::{Frame, polygon};
 use crate::watch::{Cancelled, Watch};
 use glam::{DVec2, DVec3};
 use std::collections::HashMap;
@@ -41,7 +43,7 @@ pub(super) fn repair_watched(
     emits: &[bool],
     watch: &mut Watch<'_>,
 ) -> Result<Repaired, Cancelled> {
-    let mut shop = Workshop::new(positions, obj);
+    let mut shop = Workshop::new(positions, obj, emits);
     for (index, face) in obj.faces.iter().enumerate() {
         if index % WATCHED_FACES == 0 {
             watch.done(index as f64 / obj.faces.len() as f64)?;
@@ -79,15 +81,19 @@ struct Workshop<'a> {
 }
 
 impl<'a> Workshop<'a> {
-    fn new(positions: &'a [DVec3], obj: &'a Obj) -> Self {
-        let used = obj.faces.iter().flat_map(|f| &f.corners).map(|c| positions[c.0 as usize]);
+    fn new(positions: &'a [DVec3], obj: &'a Obj, emits: &[bool]) -> Self {
+        let footprint = |face: &Face| {
+            let outline: Vec<DVec3> = face.corners.iter().map(|c| positions[c.0 as usize]).collect();
+            Footprint::of(&outline, emits[face.material as usize])
+        };
+        let footprints: Vec<Footprint> = obj.faces.iter().map(footprint).collect();
         Self {
             positions,
             obj,
             surfaces: Vec::with_capacity(obj.faces.len()),
             normals: Vec::new(),
             normal_numbers: HashMap::new(),
-            tolerance: WELD * Aabb::around(used).diagonal(),
+            tolerance: WELD * Extent::of(&footprints).scale,
             splits: HashMap::new(),
             repeated: Tally::default(),
             flat: Tally::default(),
@@ -242,7 +248,7 @@ impl<'a> Workshop<'a> {
 
     /// Of surfaces over the same corners that face the same way one is kept.
     fn drop_duplicates(&mut self, emits: &[bool]) {
-        let welded = sides::welded(self.positions, &self.surfaces);
+        let welded = weld(self.positions, self.tolerance);
         let mut first_on: HashMap<Ring, usize> = HashMap::with_capacity(self.surfaces.len());
         let mut keep = vec![true; self.surfaces.len()];
         let positions = self.positions;

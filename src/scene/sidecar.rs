@@ -4,6 +4,9 @@ use super::error::SceneError;
 use super::finding::{Finding, FindingKind, Severity};
 use super::mtl::repair_reflectance;
 use super::names;
+use super::placed::LampEntry;
+use super::selection::{material_names, meant};
+use super::text::folded;
 use super::types::{LengthUnit, MAX_REFLECTANCE, Material, Sides, UpAxis, View};
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
@@ -26,6 +29,8 @@ pub(super) struct Sidecar {
     pub(super) views: Vec<ViewEntry>,
     #[serde(default, rename = "luminaire", skip_serializing_if = "Vec::is_empty")]
     pub(super) luminaires: Vec<Spanned<LuminaireEntry>>,
+    #[serde(default, rename = "lamp", skip_serializing_if = "Vec::is_empty")]
+    pub(super) lamps: Vec<LampEntry>,
     #[serde(default, rename = "material", skip_serializing_if = "Vec::is_empty")]
     pub(super) materials: Vec<MaterialEntry>,
 }
@@ -249,7 +254,7 @@ impl Sidecar {
         let wanted = start.get_ref();
         let found = views.iter().position(|v| v.name == *wanted);
         found
-            .or_else(|| views.iter().position(|v| v.name.eq_ignore_ascii_case(wanted)))
+            .or_else(|| views.iter().position(|v| folded(&v.name) == folded(wanted)))
             .ok_or_else(|| {
                 let known = names::list(views.iter().map(|v| v.name.as_str()));
                 let message =
@@ -268,7 +273,13 @@ impl Sidecar {
     ) -> Result<(), SceneError> {
         for entry in &self.materials {
             let name = entry.name.get_ref();
-            let Some(index) = materials.iter().position(|m| m.name == *name) else {
+            let index = meant(name, &material_names(materials)).map_err(|several| {
+                let (name, several) = (names::short(name), names::list(several));
+                let message =
+                    format!("'{name}' could be any of the materials {several}; write the name as it is");
+                source.error_at(entry.name.span().start, message)
+            })?;
+            let Some(&index) = index.first() else {
                 let near = names::nearest(name, materials.iter().map(|m| m.name.as_str()));
                 let (name, near) = (names::short(name), names::list(near));
                 let message = format!("there is no material '{name}'; the nearest names are {near}");

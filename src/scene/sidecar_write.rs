@@ -1,10 +1,12 @@
 //! Edited lamps, materials and bookmarks written back to the sidecar.
 
 use super::error::SceneError;
-use super::luminaires::{selectors, selects};
+use super::luminaires::selectors;
+use super::placed::LampEntry;
+use super::selection::lamps_of_entries;
 use super::sidecar::{LuminaireEntry, MaterialEntry, Sidecar, SidesKey, Source, UpKey, ViewEntry};
-use super::sides::partners;
-use super::types::{LengthUnit, Lighting, Scene, Sides, Surface, UpAxis};
+use super::text;
+use super::types::{LampState, LengthUnit, Lighting, Luminaire, Scene, Sides, UpAxis};
 use std::io;
 use std::path::Path;
 use toml::Spanned;
@@ -48,27 +50,45 @@ pub fn sidecar_text(
         })
         .collect();
 
-    if sidecar.luminaires.len() > scene.luminaires.len() || !entries_fit(scene, &sidecar) {
-        return Err(stale());
-    }
-    let known = sidecar.luminaires.len();
-    for (objects, materials) in selectors(scene).into_iter().skip(known) {
-        sidecar.luminaires.push(unplaced(new_entry(objects, materials)));
-    }
-    for ((entry, luminaire), lamp) in
-        sidecar.luminaires.iter_mut().zip(&scene.luminaires).zip(&lighting.lamps)
-    {
-        let entry = entry.get_mut();
-        entry.name = Some(luminaire.name.clone());
-        entry.on = (!lamp.on).then_some(false);
-        entry.dimmer = (lamp.dimmer != 1.0).then_some(lamp.dimmer);
-        if lamp.exitance != luminaire.initial.exitance {
-            (entry.lumens, entry.colour, entry.cct) = (None, None, None);
-            entry.exitance = Some(lamp.exitance);
+    let own = scene.own_luminaires();
+    let made = lamps_of_entries(scene, &sidecar).ok_or_else(stale)?;
+    let known = made.last().map_or(0, |last| last.end);
+    let old = std::mem::take(&mut sidecar.luminaires);
+    let lamps: Vec<(&Luminaire, &LampState)> =
+        scene.luminaires.iter().zip(&lighting.lamps).take(own).collect();
+    let selectors = selectors(scene);
+    for (entry, range) in old.into_iter().zip(made) {
+        let Some(group) = lamps.get(range.clone()) else { return Err(stale()) };
+        // An entry for several objects of one name stays one as long as their lamps are alike.
+        let is_alike = |lamp: &(&Luminaire, &LampState)| {
+            let (on, dimmer) = (group[0].1.on, group[0].1.dimmer);
+            is_unchanged(*lamp) && lamp.1.on == on && lamp.1.dimmer == dimmer
+        };
+        if group.len() > 1 && group.iter().all(is_alike) {
+            let mut entry = entry;
+            set_switch(entry.get_mut(), group[0].1);
+            sidecar.luminaires.push(entry);
+            continue;
+        }
+        for (number, lamp) in range.zip(group) {
+            let mut entry = entry.clone();
+            if group.len() > 1 {
+                entry.get_mut().object = selectors[number].0.first().cloned();
+            }
+            set_lamp(entry.get_mut(), *lamp);
+            sidecar.luminaires.push(entry);
         }
     }
+    for ((objects, materials), lamp) in selectors.into_iter().zip(lamps).skip(known) {
+        let mut entry = new_entry(objects, materials);
+        set_lamp(&mut entry, lamp);
+        sidecar.luminaires.push(unplaced(entry));
+    }
 
-    for material in repainted.iter().filter_map(|&index| scene.materials.get(index as usize)) {
+    let placed = scene.placed.iter().zip(lighting.lamps.iter().skip(own));
+    sidecar.lamps = placed.map(|(lamp, state)| LampEntry::of(&lamp.starting_as(state), scene)).collect();
+
+    for material in repainted.iter().filter_map(|&index| scene.own_materials().get(index as usize)) {
         let reflectance = Some(material.reflectance);
         let mut entries = sidecar.materials.iter_mut();
         if let Some(entry) = entries.find(|entry| *entry.name.get_ref() == material.name) {
@@ -160,7 +180,7 @@ pub fn write_frame(path: &Path, unit: LengthUnit, up: UpAxis) -> Result<(), Scen
 /// The text of a file where there is one.
 fn existing(path: &Path) -> Result<Option<String>, SceneError> {
     match std::fs::read(path) {
-        Ok(bytes) => Ok(Some(String::from_utf8_lossy(&bytes).into_owned())),
+        Ok(bytes) => Ok(Some(text::decode(&bytes).into_owned())),
         Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(None),
         Err(error) => Err(SceneError::reading(path, &error)),
     }
@@ -185,22 +205,22 @@ fn unplaced<T>(value: T) -> Spanned<T> {
     Spanned::new(0..0, value)
 }
 
-/// Whether the n-th entry selects the surfaces of the n-th lamp, as it does right after reading: each of
-/// them, or that which is written for its other side.
-fn entries_fit(scene: &Scene, sidecar: &Sidecar) -> bool {
-    let partners = partners(&scene.positions, &scene.surfaces);
-    scene.surfaces.iter().zip(&partners).all(|(surface, partner)| {
-        let entry = surface.luminaire.and_then(|number| sidecar.luminaires.get(number as usize));
-        let is_selected = |entry: &LuminaireEntry, surface: &Surface| {
-            let object = &scene.objects[surface.object as usize];
-            selects(entry, object, &scene.materials[surface.material as usize].name)
-        };
-        let other = partner.map(|p| &scene.surfaces[p as usize]);
-        entry.is_none_or(|entry| {
-            let entry = entry.get_ref();
-            is_selected(entry, surface) || other.is_some_and(|other| is_selected(entry, other))
-        })
-    })
+fn is_unchanged((lamp, state): (&Luminaire, &LampState)) -> bool {
+    state.exitance == lamp.initial.exitance
+}
+
+fn set_switch(entry: &mut LuminaireEntry, state: &LampState) {
+    entry.on = (!state.on).then_some(false);
+    entry.dimmer = (state.dimmer != 1.0).then_some(state.dimmer);
+}
+
+fn set_lamp(entry: &mut LuminaireEntry, (lamp, state): (&Luminaire, &LampState)) {
+    entry.name = Some(lamp.name.clone());
+    set_switch(entry, state);
+    if !is_unchanged((lamp, state)) {
+        (entry.lumens, entry.colour, entry.cct) = (None, None, None);
+        entry.exitance = Some(state.exitance);
+    }
 }
 
 fn new_entry(mut objects: Vec<String>, mut materials: Vec<String>) -> LuminaireEntry {
@@ -277,6 +297,29 @@ mod tests {
         let text = sidecar_text(&scene, &scene.lighting(), &[], Some(SIDECAR)).unwrap();
         assert!(text.contains("lumens = 450") && text.contains("cct = 2700"), "{text}");
         assert!(!text.contains("exitance"), "{text}");
+    }
+
+    #[test]
+    fn an_entry_for_several_lamps_is_one_until_one_of_them_differs() {
+        let obj = OBJ.replace("o hall_lamp", "o spot").replace("o desk", "o spot");
+        let sidecar = "[[luminaire]]\n# As bought.\nobject = \"spot\"\nlumens = 800\n";
+        let scene = from_text("t", &obj, MTL, Some(sidecar)).unwrap();
+        assert_eq!(scene.luminaires.len(), 2);
+        let mut lighting = scene.lighting();
+        let read_back = |lighting: &Lighting| {
+            let text = sidecar_text(&scene, lighting, &[], Some(sidecar)).unwrap();
+            let again = from_text("t", &obj, MTL, Some(&text)).unwrap_or_else(|e| panic!("{e}\n{text}"));
+            let names = |scene: &Scene| scene.luminaires.iter().map(|l| l.name.clone()).collect::<Vec<_>>();
+            assert_eq!(names(&again), names(&scene), "{text}");
+            assert_eq!(again.lighting(), *lighting, "{text}");
+            (text.matches("lumens = 800").count(), text.matches("exitance").count())
+        };
+        lighting.lamps.iter_mut().for_each(|lamp| lamp.dimmer = 0.5);
+        assert_eq!(read_back(&lighting), (1, 0));
+        lighting.lamps[1].on = false;
+        assert_eq!(read_back(&lighting), (2, 0));
+        lighting.lamps[0].exitance = [1.0, 2.0, 3.0];
+        assert_eq!(read_back(&lighting), (1, 1));
     }
 
     #[test]

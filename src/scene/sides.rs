@@ -5,16 +5,11 @@
 
 use super::doctor::WELD;
 use super::doctor::topology::weld;
+use super::extent::{Extent, Footprint};
 use super::types::{Corner, Surface};
 use crate::geometry::Aabb;
 use glam::DVec3;
 use std::collections::HashMap;
-
-/// For each position the first one in the same place, to within the tolerance at which corners are one.
-pub(super) fn welded(positions: &[DVec3], surfaces: &[Surface]) -> Vec<u32> {
-    let used = surfaces.iter().flat_map(|s| &s.corners).map(|c| positions[c.position as usize]);
-    weld(positions, WELD * Aabb::around(used).diagonal())
-}
 
 /// An outline whatever corner it starts from and whichever way it runs, and which way that is.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
@@ -56,7 +51,7 @@ pub(super) fn ring<T: Copy + Ord>(corners: &mut [T]) -> bool {
 }
 
 /// Of two surfaces with equal rings, or with one that is the other turned, whether they lie in one place as
-/// measured by their own size: in a model with a stray corner far away the tolerance may be a room's height.
+/// measured by their own size: on a large site the tolerance may be more than a small face.
 pub(super) fn coincide(positions: &[DVec3], welded: &[u32], first: &Surface, second: &Surface) -> bool {
     const SHARE: f64 = 1e-3;
     let at = |c: &Corner| positions[c.position as usize];
@@ -71,7 +66,11 @@ pub(super) fn coincide(positions: &[DVec3], welded: &[u32], first: &Surface, sec
 
 /// For each surface the one that is written for its other side, if there is one.
 pub(super) fn partners(positions: &[DVec3], surfaces: &[Surface]) -> Vec<Option<u32>> {
-    let welded = welded(positions, surfaces);
+    let outline =
+        |s: &Surface| -> Vec<DVec3> { s.corners.iter().map(|c| positions[c.position as usize]).collect() };
+    let footprints: Vec<Footprint> =
+        surfaces.iter().map(|s| Footprint::of(&outline(s), s.luminaire.is_some())).collect();
+    let welded = weld(positions, WELD * Extent::of(&footprints).scale);
     let rings: Vec<Ring> = surfaces.iter().map(|s| Ring::of(s, &welded)).collect();
     let mut numbers: HashMap<&Ring, u32> = HashMap::with_capacity(rings.len());
     for (number, ring) in (0..).zip(&rings) {
@@ -99,7 +98,7 @@ mod tests {
     }
 
     #[test]
-    fn a_stray_corner_far_away_makes_no_partners_of_floor_and_ceiling() {
+    fn floor_and_ceiling_are_no_partners_however_far_the_model_reaches() {
         let far = "v 5000000 0 0\nv 5000000 1 0\nv 5000000 0 1\nf 1 2 3\n";
         let room = "v 0 0 0\nv 20 0 0\nv 20 0 20\nv 0 0 20\nv 0 3 0\nv 20 3 0\nv 20 3 20\nv 0 3 20\n\
             f 7 6 5 4\nf 8 9 10 11\n";

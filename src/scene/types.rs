@@ -1,5 +1,7 @@
 use super::extent::{Extent, Footprint};
 use super::finding::Finding;
+use super::placed::PlacedLamp;
+use super::text::folded;
 use crate::geometry::Aabb;
 use glam::{DVec2, DVec3};
 use std::path::{Path, PathBuf};
@@ -39,18 +41,23 @@ pub struct Scene {
     pub positions: Vec<DVec3>,
     /// Unit normals that the file gives for smooth surfaces.
     pub normals: Vec<DVec3>,
-    /// Texture coordinates, v upwards.
+    /// Texture coordinates, v upwards, with the scale and the offset of the material's image in them.
     pub uvs: Vec<DVec2>,
     /// The polygons, planar to within a part in a thousand of their size (the reader splits others).
     pub surfaces: Vec<Surface>,
-    /// Names of objects and groups; [`Surface::object`] points here.
+    /// Names of objects and groups; [`Surface::object`] points here. Where the file gives a name to several
+    /// objects they are numbered here: "downlight 1", "downlight 2".
     pub objects: Vec<String>,
+    /// The names that the file gives to `objects`, which may be equal.
+    pub given_objects: Vec<String>,
     /// Materials; [`Surface::material`] points here.
     pub materials: Vec<Material>,
     /// Decoded images of `map_Kd`; [`Material::texture`] points here.
     pub textures: Vec<Texture>,
     /// The lamps that a user can switch, in a stable order.
     pub luminaires: Vec<Luminaire>,
+    /// Lamps that stand in no model file; the last of `luminaires`, in this order, are theirs.
+    pub placed: Vec<PlacedLamp>,
     /// Bookmarks; never empty (the reader makes one up where the file has none).
     pub views: Vec<View>,
     /// Index into `views` of the view to start from.
@@ -109,16 +116,17 @@ impl Scene {
         Lighting { lamps: self.luminaires.iter().map(|l| l.initial).collect() }
     }
 
-    /// Index of the luminaire with this name: exact first, then ignoring case.
-    pub fn luminaire_named(&self, name: &str) -> Option<usize> {
-        let exact = self.luminaires.iter().position(|l| l.name == name);
-        exact.or_else(|| self.luminaires.iter().position(|l| l.name.eq_ignore_ascii_case(name)))
+    /// Indices of the luminaires that a name means: by their own names, else by the names of their objects,
+    /// else by those of their materials. An exact name comes first, then one without regard to capitals,
+    /// underscores and blanks. Several luminaires may have surfaces of one object or material.
+    pub fn luminaires_named(&self, name: &str) -> Vec<usize> {
+        super::selection::named(self, name)
     }
 
-    /// Index of the view with this name: exact first, then ignoring case.
+    /// Index of the view with this name: exact first, then ignoring capitals, underscores and blanks.
     pub fn view_named(&self, name: &str) -> Option<usize> {
         let exact = self.views.iter().position(|v| v.name == name);
-        exact.or_else(|| self.views.iter().position(|v| v.name.eq_ignore_ascii_case(name)))
+        exact.or_else(|| self.views.iter().position(|v| folded(&v.name) == folded(name)))
     }
 }
 
@@ -256,23 +264,33 @@ pub struct Texture {
     pub width: u32,
     /// Pixels down.
     pub height: u32,
+    /// Whether its border goes on beyond it; it is repeated otherwise.
+    pub clamped: bool,
+    /// Mean of all pixels per band.
+    pub mean: [f64; 3],
     /// Linear R, G, B in 0..1, `width * height` of them.
     pub pixels: Vec<[f32; 3]>,
 }
 
 impl Texture {
-    /// Linear R, G, B at texture coordinates, repeated beyond 0..1, bilinear between pixel centres.
+    /// Linear R, G, B at texture coordinates, repeated or clamped beyond 0..1, bilinear between pixel
+    /// centres.
     pub fn sample(&self, uv: DVec2) -> [f32; 3] {
         if self.pixels.is_empty() {
             return [1.0; 3];
         }
         let (w, h) = (i64::from(self.width), i64::from(self.height));
-        let x = uv.x.rem_euclid(1.0) * self.width as f64 - 0.5;
-        let y = (1.0 - uv.y.rem_euclid(1.0)) * self.height as f64 - 0.5;
+        let within = |x: f64| if self.clamped { x.clamp(0.0, 1.0) } else { x.rem_euclid(1.0) };
+        let x = within(uv.x) * self.width as f64 - 0.5;
+        let y = (1.0 - within(uv.y)) * self.height as f64 - 0.5;
         let (i, j) = (x.floor(), y.floor());
         let (s, t) = ((x - i) as f32, (y - j) as f32);
+        let pixel = |k: i64, count: i64| match self.clamped {
+            true => k.clamp(0, count - 1),
+            false => k.rem_euclid(count),
+        };
         let at = |di: i64, dj: i64| {
-            let (col, row) = ((i as i64 + di).rem_euclid(w), (j as i64 + dj).rem_euclid(h));
+            let (col, row) = (pixel(i as i64 + di, w), pixel(j as i64 + dj, h));
             self.pixels[(row * w + col) as usize]
         };
         let (a, b, c, d) = (at(0, 0), at(1, 0), at(0, 1), at(1, 1));

@@ -14,6 +14,6 @@ pub use effect_costs::effect_costs;
 pub use memory::available_bytes;
 pub use pipeline::{
     Control, PipelineError, Prepared, Progress, Run, SolveSettings, Solved, Stage, Timings,
-    patch_reflectance, prepare, solve, system,
+    patch_reflectance, prepare, solve, system, without_light,
 };
 pub use worker::{MaterialEdit, Session, Snapshot};

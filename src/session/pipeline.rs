@@ -75,6 +75,8 @@ pub enum Stage {
     Sweeping,
     /// Done to the tolerance.
     Converged,
+    /// The scene has no lamp, so that there is no light to compute: nothing is solved.
+    Unlit,
     /// Ended by the user.
     Stopped,
     /// Ended by an error; the snapshot holds the message.
@@ -564,6 +566,30 @@ pub fn solve(
         reflectance: Arc::new(reflectance.iter().map(|r| r.map(|b| b as f32)).collect()),
         sweeps,
         timings: run.timings,
+    })
+}
+
+/// What there is to tell of a scene without lamps: patches and effects, no form factors, and no light.
+///
+/// # Errors
+/// Where the scene cannot be cut into patches.
+pub fn without_light(scene: Arc<Scene>, settings: &SolveSettings) -> Result<Solved, PipelineError> {
+    let prepared = prepare(scene, settings)?;
+    let reflectance = patch_reflectance(&prepared.mesh, &|_| None);
+    let system = system(&prepared, &reflectance);
+    let bases =
+        LightBases { patches: prepared.mesh.patches.len(), bands: system.bands, ..LightBases::default() };
+    Ok(Solved {
+        scene: prepared.scene,
+        mesh: prepared.mesh,
+        plan: prepared.plan,
+        computer: prepared.computer,
+        form_factors: Arc::default(),
+        assembled: AssembleReport::default(),
+        bases: Arc::new(bases),
+        reflectance: Arc::new(reflectance.iter().map(|r| r.map(|b| b as f32)).collect()),
+        sweeps: Vec::new(),
+        timings: prepared.timings,
     })
 }
 

@@ -12,6 +12,10 @@ pub(super) struct Recompute {
     pub(super) scene: bool,
     /// Cut it into patches.
     pub(super) mesh: bool,
+    /// Other lamps stand in the model.
+    pub(super) lamps: bool,
+    /// There is no lamp, so nothing is solved.
+    pub(super) unlit: bool,
     /// Rows are computed differently, so that stored ones are of no use.
     pub(super) method: bool,
     /// Geometry came out the same, and the rows were kept.
@@ -30,8 +34,14 @@ impl Recompute {
         let scene = state.opened != wanted.opened || state.scene.is_none();
         let method = old.sampling() != new.sampling() || old.effects != new.effects;
         let split = old.patches != new.patches || old.refinement != new.refinement;
-        let mesh = scene || method || state.prepared.is_none() || split;
-        Self { scene, mesh, method, ..Self::default() }
+        let lamps = match (&state.read, &state.scene) {
+            (Some(read), Some(present)) if !scene => {
+                wanted.lamps_of(read).is_some_and(|lamps| *lamps != present.placed)
+            }
+            _ => false,
+        };
+        let mesh = scene || lamps || method || state.prepared.is_none() || split;
+        Self { scene, mesh, lamps, method, ..Self::default() }
     }
 
     /// What was done, for the status bar.
@@ -39,6 +49,8 @@ impl Recompute {
         let what = if self.scene {
             let name = wanted.source.as_ref().map(ToString::to_string).unwrap_or_default();
             format!("opened {name}")
+        } else if self.lamps {
+            "placed lamps".to_owned()
         } else if self.mesh {
             "settings".to_owned()
         } else if self.rows > 0 {
@@ -54,6 +66,9 @@ impl Recompute {
         } else {
             format!("{seconds:.1}\u{a0}s")
         };
+        if self.unlit {
+            return format!("{what}: no lamps, so nothing was solved, {time}");
+        }
         let rows = grouped(self.rows as i64);
         format!("{what}: {rows} rows{kept}, {} sweeps, {time}", self.sweeps)
     }

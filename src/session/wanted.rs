@@ -2,7 +2,7 @@
 
 use super::pipeline::SolveSettings;
 use super::worker::MaterialEdit;
-use crate::scene::{Scene, SceneSource};
+use crate::scene::{PlacedLamp, Scene, SceneSource};
 use std::sync::{Arc, Weak};
 
 /// All that the user has asked for; the newest state wins, and what was refused is wanted no more.
@@ -16,6 +16,10 @@ pub(super) struct Wanted {
     /// refused.
     held: Option<(Option<SceneSource>, SolveSettings)>,
     pub(super) edits: Edits,
+    /// Placed lamps, and the scene as read that they are for.
+    pub(super) lamps: Option<(Weak<Scene>, Vec<PlacedLamp>)>,
+    /// Form factors are wanted even where there is no lamp.
+    pub(super) unlit: bool,
     /// Counts all requests.
     pub(super) generation: u64,
 }
@@ -30,6 +34,7 @@ impl Wanted {
             self.source = source;
         }
         self.opened += 1;
+        self.unlit = false;
     }
 
     /// Asks for a scene with settings of its own.
@@ -37,6 +42,7 @@ impl Wanted {
         let before = (self.source.replace(source), std::mem::replace(&mut self.settings, settings));
         self.held.get_or_insert(before);
         self.opened += 1;
+        self.unlit = false;
     }
 
     /// The request to open of this number has been answered.
@@ -52,6 +58,20 @@ impl Wanted {
         if let Some((_, settings)) = self.held.take() {
             self.settings = settings;
         }
+    }
+
+    /// Goes back to the lamps that stand in the present `scene`; so does a newer wish that is no other one.
+    pub(super) fn return_to_lamps(&mut self, refused: &mut Self, read: &Arc<Scene>, scene: &Scene) {
+        refused.lamps = Some((Arc::downgrade(read), scene.placed.clone()));
+        if self.generation == refused.generation {
+            self.lamps.clone_from(&refused.lamps);
+        }
+    }
+
+    /// The lamps that are to stand in this scene, where others than those of its file were asked for.
+    pub(super) fn lamps_of(&self, read: &Arc<Scene>) -> Option<&[PlacedLamp]> {
+        let own = self.lamps.as_ref().filter(|(of, _)| Weak::as_ptr(of) == Arc::as_ptr(read));
+        own.map(|(_, lamps)| lamps.as_slice())
     }
 }
 

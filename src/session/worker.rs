@@ -9,7 +9,7 @@ use super::wanted::{Edits, Wanted};
 use crate::effects::EffectPlan;
 use crate::form_factors::{AssembleReport, FormFactors, Row, RowComputer};
 use crate::mesh::{LightSearch, PatchMesh};
-use crate::scene::{Scene, SceneError, SceneSource};
+use crate::scene::{PlacedLamp, Scene, SceneError, SceneSource};
 use crate::solver::{LightBases, SweepReport};
 use rayon::ThreadPool;
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -46,6 +46,8 @@ pub struct Snapshot {
     pub rows: (usize, usize),
     /// The present scene; stays when opening another fails.
     pub scene: Option<Arc<Scene>>,
+    /// The same as it was read, without what [`Session::set_lamps`] has changed.
+    pub read: Option<Arc<Scene>>,
     /// Its patches.
     pub mesh: Option<Arc<PatchMesh>>,
     /// What is simulated.
@@ -184,16 +186,24 @@ impl Session {
         self.request(|wanted| wanted.edits = Edits::new(scene, materials));
     }
 
+    /// Places these lamps in the scene as it was `read`, instead of those that its file places, and solves it.
+    /// They hold for as long as that reading is the present one.
+    pub fn set_lamps(&self, read: &Arc<Scene>, lamps: Vec<PlacedLamp>) {
+        self.request(|wanted| wanted.lamps = Some((Arc::downgrade(read), lamps)));
+    }
+
     /// Lets the solve rest where it is.
     pub fn pause(&self) {
         self.shared.paused.store(true, Ordering::Release);
         self.wake();
     }
 
-    /// Goes on from there; after [`Self::stop`] it starts again.
+    /// Goes on from there; after [`Self::stop`] it starts again, and in a scene without lamps it starts after all.
     pub fn resume(&self) {
         self.shared.paused.store(false, Ordering::Release);
-        if self.shared.stopped.load(Ordering::Acquire) {
+        if self.latest().stage == Stage::Unlit {
+            self.request(|wanted| wanted.unlit = true);
+        } else if self.shared.stopped.load(Ordering::Acquire) {
             self.request(|_| {});
         } else {
             self.wake();
@@ -244,6 +254,8 @@ pub(super) struct State {
     pub(super) settings: SolveSettings,
     edits: Vec<MaterialEdit>,
     pub(super) scene: Option<Arc<Scene>>,
+    /// The same as it was read.
+    pub(super) read: Option<Arc<Scene>>,
     pub(super) prepared: Option<Prepared>,
     /// Rows of a solve that was interrupted, a patch each.
     pub(super) rows: Vec<Option<Row>>,
@@ -282,8 +294,7 @@ impl Worker<'_> {
                 return;
             }
             answered = wanted.generation;
-            let clock = Instant::now();
-            let pool = self.pool;
+            let (clock, pool) = (Instant::now(), self.pool);
             self.refused = None;
             let outcome = catch_unwind(AssertUnwindSafe(|| pool.install(|| self.answer(&wanted))));
             match outcome {
@@ -292,7 +303,7 @@ impl Worker<'_> {
                         self.snapshot.last_change = done.sentence(&wanted, clock.elapsed().as_secs_f64());
                     }
                     self.snapshot.error = self.refused.take();
-                    self.settle(Stage::Converged);
+                    self.settle(if done.unlit { Stage::Unlit } else { Stage::Converged });
                 }
                 Ok(Err(Failure::Cancelled)) => {
                     if self.shared.stopped.load(Ordering::Acquire) {
@@ -362,6 +373,12 @@ impl Worker<'_> {
         let system = system(&prepared, &reflectance);
         self.state.edits = edits;
 
+        if prepared.scene.luminaires.is_empty() && !wanted.unlit {
+            todo.unlit = true;
+            self.snapshot.rows = (0, prepared.mesh.patches.len());
+            (self.snapshot.fraction, self.snapshot.seconds_left) = (1.0, None);
+            return Ok(todo);
+        }
         if self.state.form_factors.is_none() {
             todo.rows = prepared.mesh.patches.len() - self.state.rows.iter().flatten().count();
             let standing = self.state.bases.as_deref().cloned();
@@ -395,8 +412,7 @@ impl Worker<'_> {
         self.state.bases = Some(bases.clone());
         self.snapshot.bases = Some(bases);
         self.snapshot.sweeps = Arc::new(sweeps);
-        self.snapshot.fraction = 1.0;
-        self.snapshot.seconds_left = None;
+        (self.snapshot.fraction, self.snapshot.seconds_left) = (1.0, None);
         Ok(todo)
     }
 
@@ -427,7 +443,12 @@ impl Worker<'_> {
             self.check_cancel()?;
             self.prepare(scene, wanted, todo, Timings { load, ..Timings::default() })
         } else if todo.mesh {
-            let scene = self.state.scene.clone().ok_or(Failure::Cancelled)?;
+            let read = self.state.read.clone().ok_or(Failure::Cancelled)?;
+            let scene = match wanted.lamps_of(&read).filter(|_| todo.lamps) {
+                Some(lamps) if *lamps != read.placed => Arc::new(read.with_placed(lamps.to_vec())),
+                Some(_) => read,
+                None => self.state.scene.clone().ok_or(Failure::Cancelled)?,
+            };
             self.prepare(scene, wanted, todo, self.snapshot.timings)
         } else {
             Ok(())
@@ -444,6 +465,9 @@ impl Worker<'_> {
                 newest.return_to(self.state.source.clone());
             }
         } else {
+            if let (true, Some(read), Some(scene)) = (refused.lamps, &self.state.read, &self.state.scene) {
+                newest.return_to_lamps(wanted, read, scene);
+            }
             wanted.settings.clone_from(&self.state.settings);
             if newest.generation == wanted.generation {
                 newest.settings.clone_from(&self.state.settings);
@@ -482,9 +506,11 @@ impl Worker<'_> {
         });
         self.state.bases = light.map(Arc::new);
         self.state.scene = Some(scene.clone());
-        self.snapshot.timings = timings;
-        (self.snapshot.timings.mesh, self.snapshot.timings.plan) =
-            (prepared.timings.mesh, prepared.timings.plan);
+        if todo.scene {
+            (self.state.read, self.snapshot.read) = (Some(scene.clone()), Some(scene.clone()));
+        }
+        let Timings { mesh, plan, .. } = prepared.timings;
+        self.snapshot.timings = Timings { mesh, plan, ..timings };
         self.snapshot.scene = Some(scene);
         self.snapshot.mesh = Some(prepared.mesh.clone());
         self.snapshot.plan = Some(prepared.plan.clone());

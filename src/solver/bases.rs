@@ -104,6 +104,13 @@ pub struct Power {
 }
 
 impl PatchLight {
+    /// What patches of these reflectances make of an irradiance, none of them emitting.
+    pub fn reflected(irradiance: Vec<[f32; 3]>, reflectance: &[[f32; 3]]) -> Self {
+        let lit = irradiance.iter().zip(reflectance);
+        let radiosity = lit.map(|(h, rho)| std::array::from_fn(|band| rho[band] * h[band])).collect();
+        Self { irradiance, radiosity }
+    }
+
     /// The same light on another mesh of the same scene, as [`LightBases::carried`] has it.
     pub fn carried(&self, mesh: &PatchMesh, to: &PatchMesh) -> Option<Self> {
         let places = to.places_on(mesh)?;

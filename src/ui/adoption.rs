@@ -4,10 +4,19 @@
 use super::app::App;
 use super::auditor;
 use super::camera_control::CameraControl;
+use super::lampless::carry_placed;
 use super::leaving::Work;
 use super::state::{DisplaySettings, Edits, Visit};
 use crate::scene::{Scene, View};
 use std::sync::Arc;
+
+/// What the user has done to a scene whose file has been read again since, without some of the lamps and
+/// materials that it was done to: a file that was written in two goes is whole after the second.
+pub(super) struct LeftBehind {
+    scene: Arc<Scene>,
+    edits: Edits,
+    views: Vec<View>,
+}
 
 impl App {
     /// Takes over the scene of the mesh that has come to the screen.
@@ -22,6 +31,10 @@ impl App {
         let scene = Arc::clone(&prepared.scene);
         let before = self.scene_shown.replace(Arc::clone(&scene));
         if before.as_ref().is_some_and(|before| Arc::ptr_eq(before, &scene)) {
+            return;
+        }
+        let read_before = self.lampless.read().cloned();
+        if self.goes_on_as(&scene) {
             return;
         }
         self.files.watch(Some(&scene.source));
@@ -47,17 +60,31 @@ impl App {
         self.history.clear();
         self.solo = None;
         self.exposure = Default::default();
+        let left = self.left_behind.take().filter(|left| left.scene.source.is_same_model(&scene.source));
         if let Some(before) = same_file {
-            carry_lamps(&before, &edits, &scene, &mut self.edits);
-            if carry_materials(&before, &edits, &scene, &mut self.edits) {
+            let before = LeftBehind { scene: before, edits, views };
+            let mut any = false;
+            for done in left.iter().chain([&before]) {
+                carry_lamps(&done.scene, &done.edits, &scene, &mut self.edits);
+                any |= carry_materials(&done.scene, &done.edits, &scene, &mut self.edits);
+                if is_in_place(&done.scene, &scene) {
+                    carry_views(&done.scene, &done.views, &mut self.views);
+                }
+            }
+            if any {
                 // Those that the worker has are of the scene as it was read before.
                 self.worker.set_materials(&scene, self.edits.materials());
             }
-            if is_in_place(&before, &scene) {
-                carry_views(&before, &views, &mut self.views);
-                if self.camera.is_some() {
-                    return;
+            let is_in_place = is_in_place(&before.scene, &scene);
+            if is_in_place {
+                let read = read_before.as_ref().unwrap_or(&before.scene);
+                if carry_placed(read, &before.edits, &scene, &mut self.edits) {
+                    self.send_placed();
                 }
+            }
+            self.left_behind = left.into_iter().chain([before]).find(|done| done.lacks_something(&scene));
+            if is_in_place && self.camera.is_some() {
+                return;
             }
         }
         let up = scene.up.vector();
@@ -74,6 +101,20 @@ impl App {
             )
         });
         self.inherit();
+        self.add_lamps_at_start();
+    }
+}
+
+impl LeftBehind {
+    /// Whether lamps or materials that were changed are not in `now`.
+    fn lacks_something(&self, now: &Scene) -> bool {
+        let lamps = self.scene.luminaires.iter().zip(&self.edits.lighting.lamps);
+        let mut lamps = lamps.filter(|(lamp, state)| lamp.initial != **state).map(|(lamp, _)| &lamp.name);
+        let materials = self.scene.materials.iter().zip(&self.edits.reflectance);
+        let mut materials =
+            materials.filter(|(_, value)| value.is_some()).map(|(material, _)| &material.name);
+        lamps.any(|name| now.luminaires.iter().all(|lamp| lamp.name != *name))
+            || materials.any(|name| now.materials.iter().all(|material| material.name != *name))
     }
 }
 
@@ -178,6 +219,27 @@ mod tests {
         carry_views(&before, &[stored.clone(), now.views[0].clone()], &mut views);
         assert_eq!(views.len(), now.views.len() + 1);
         assert_eq!(views.last(), Some(&stored));
+    }
+
+    #[test]
+    fn what_half_a_file_lacks_is_remembered_for_the_whole() {
+        let floor = "o floor\nusemtl wall\nf 4 3 2 1\n";
+        let whole = read(&format!("{floor}o lamp\nusemtl glow\nf 5 6 7 8\n"), "");
+        let half = read(floor, "");
+        let edits = Edits::of_scene(&whole, DisplaySettings::default());
+        let done = |edits: &Edits| LeftBehind {
+            scene: Arc::new(whole.clone()),
+            edits: edits.clone(),
+            views: whole.views.clone(),
+        };
+        assert!(!done(&edits).lacks_something(&half), "nothing was done to what is gone");
+        let mut dimmed = edits.clone();
+        dimmed.lighting.lamps[0].dimmer = 0.25;
+        assert!(done(&dimmed).lacks_something(&half) && !done(&dimmed).lacks_something(&whole));
+        let mut painted = edits;
+        let glow = whole.materials.iter().position(|m| m.name == "glow").expect("there");
+        painted.reflectance[glow] = Some([0.1; 3]);
+        assert!(!done(&painted).lacks_something(&half), "the library defines it still");
     }
 
     #[test]

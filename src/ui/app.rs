@@ -1,5 +1,6 @@
 //! The window as a whole: what it holds, and the order of a frame.
 
+use super::adoption::LeftBehind;
 use super::auditor::Auditor;
 use super::background::Background;
 use super::camera_control::CameraControl;
@@ -10,6 +11,7 @@ use super::files::Files;
 use super::fonts::Unreadable;
 use super::frame_clock::FrameClock;
 use super::history::History;
+use super::lampless::Lampless;
 use super::leaving::{Leaving, Work};
 use super::microscope::Microscope;
 use super::overlay::Notice;
@@ -112,6 +114,7 @@ pub struct App {
     /// The tour whose ways were found last.
     pub(super) tours: Background<Plan, Option<Tour>>,
     pub(super) clock: FrameClock,
+    pub(super) lampless: Lampless,
     pub(super) reclaim: Reclaim,
     /// Where an orbit started: the point under the cursor.
     pub(super) pivot: Option<glam::DVec3>,
@@ -124,6 +127,8 @@ pub struct App {
     screenshot_arrived: Arc<std::sync::Mutex<Option<Arc<egui::ColorImage>>>>,
     /// The scene that lamps, materials and views belong to.
     pub(super) scene_shown: Option<Arc<Scene>>,
+    /// What was done to lamps and materials that the last reading of the file lacks.
+    pub(super) left_behind: Option<LeftBehind>,
     /// The bookmark gone to last.
     pub(super) view_index: Option<usize>,
     /// Pixels of the view across and down.
@@ -205,6 +210,7 @@ impl App {
             touring: None,
             tours: Background::default(),
             clock,
+            lampless: Lampless::default(),
             reclaim: Reclaim::default(),
             pivot: None,
             stale: Stale::default(),
@@ -212,6 +218,7 @@ impl App {
             screenshot_wanted: false,
             screenshot_arrived: Arc::default(),
             scene_shown: None,
+            left_behind: None,
             view_index: None,
             view_size_px: [1, 1],
             dismissed: None,
@@ -391,6 +398,7 @@ impl App {
             last_change: &self.last_change,
             auditor: &self.auditor,
             doctor: &self.doctor,
+            is_adding_lamps: self.lampless.is_searching(),
             can: [self.history.can_undo(), self.history.can_redo()],
             frame_secs: self.frame_secs,
             memory: self.memory.1,

@@ -162,7 +162,8 @@ impl Auditor {
         }
         let standing = (snapshot.stage == Stage::Converged).then_some(()).and(snapshot.bases.clone());
         let lamps = snapshot.scene.as_ref().map_or(0, |s| s.luminaires.len());
-        let is_whole = snapshot.form_factors.is_some() && lighting.lamps.len() == lamps;
+        // In the dark there is nothing that could be wrong.
+        let is_whole = lamps > 0 && snapshot.form_factors.is_some() && lighting.lamps.len() == lamps;
         let Some(bases) = standing.filter(|_| is_whole) else {
             self.job = None;
             self.standing = None;

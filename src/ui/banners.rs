@@ -3,7 +3,7 @@
 
 use super::command::Command;
 use super::panels::{Commands, Model};
-use super::{doctor, fonts, theme};
+use super::{doctor, fonts, lampless, theme};
 use egui::{Align2, Area, Button, Color32, Id, Label, Order, Rect, RichText};
 
 /// One banner.
@@ -20,7 +20,8 @@ pub(super) struct Banner {
 }
 
 /// All banners, from top to bottom; each answers with itself where it has something to tell.
-const BANNERS: [fn(&Model<'_>) -> Option<Banner>; 2] = [doctor::frame_banner, fonts::banner];
+const BANNERS: [fn(&Model<'_>) -> Option<Banner>; 3] =
+    [doctor::frame_banner, lampless::banner, fonts::banner];
 
 /// Shows the banners that have something to tell. Returns the part of the view below them.
 pub(super) fn show(ui: &egui::Ui, view: Rect, model: &Model<'_>, out: &mut Commands) -> Rect {

@@ -73,6 +73,8 @@ pub(super) enum Command {
     ResetLamps,
     /// A new reflectance; `None` restores that of the file.
     SetReflectance(usize, Option<[f64; 3]>),
+    /// Place lamps below the ceilings of all rooms, once they are found.
+    AddCeilingLamps,
     /// All as the file has them.
     ResetMaterials,
     /// How the picture is made.
@@ -158,6 +160,8 @@ pub(super) enum EditKey {
     Lamp(usize),
     /// All lamps at once.
     Lamps,
+    /// Which lamps are placed in the model.
+    PlacedLamps,
     /// One material.
     Material(usize),
     /// All materials at once.

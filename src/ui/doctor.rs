@@ -201,7 +201,7 @@ impl App {
 }
 
 /// Where something is seen well from: from that side, of several, from which it can be looked at from furthest
-/// away, its front and the side of `from` being preferred. From below the floor, or with something in between,
+/// away, a side that is drawn, its front and the side of `from` being preferred. From below the floor, or with something in between,
 /// only where there is no other place.
 fn standpoint(prepared: &Prepared, what: &Aabb, normal: DVec3, from: DVec3) -> DVec3 {
     let (size, centre, up) = (prepared.mesh.size, what.centre(), prepared.scene.up.vector());
@@ -222,6 +222,12 @@ fn standpoint(prepared: &Prepared, what: &Aabb, normal: DVec3, from: DVec3) -> D
         first_hit(centre + way * (1e-3 * size), way, wanted).map_or(wanted, |distance| 0.85 * distance)
     };
     let eye = |way: DVec3| centre + way * free(way).max(0.01 * size);
+    // A side that no light reaches is not drawn: one looks through it.
+    let is_drawn = |eye: DVec3| {
+        let distance = eye.distance(centre);
+        let ray = Ray { origin: eye, direction: (centre - eye) / distance };
+        prepared.picker.pick(&ray).is_some_and(|hit| (hit.distance - distance).abs() < 3e-3 * size)
+    };
     let is_seen = |eye: DVec3| {
         let distance = eye.distance(centre);
         let reach = distance - 3e-3 * size;
@@ -235,7 +241,8 @@ fn standpoint(prepared: &Prepared, what: &Aabb, normal: DVec3, from: DVec3) -> D
         let eye = eye(way);
         let hidden = if is_seen(eye) { 0.0 } else { 4.0 };
         let outside = if is_above_a_floor(eye) { 0.0 } else { 2.0 };
-        free(way) / wanted + front + 0.6 * way.dot(here) - hidden - outside
+        let drawn = if is_drawn(eye) { 1.5 } else { 0.0 };
+        free(way) / wanted + front + 0.6 * way.dot(here) + drawn - hidden - outside
     };
     let best = ways.into_iter().map(|way| (worth(way), way)).max_by(|a, b| a.0.total_cmp(&b.0));
     eye(best.map_or(here, |(_, way)| way))

@@ -122,6 +122,7 @@ impl App {
                     self.worker.set_settings(settings);
                 }
             }
+            Command::AddCeilingLamps => self.look_for_lamps(),
             Command::Doctor(ask) => self.ask_doctor(ask),
             Command::Inspect(patch) => {
                 self.look_into(patch);
@@ -197,8 +198,10 @@ impl App {
                 }
             },
             Command::ResetLamps => {
-                if let Some(prepared) = &self.picture.prepared {
-                    edits.lighting = prepared.scene.lighting();
+                let scene = self.picture.prepared.as_ref().map(|p| &p.scene);
+                // One with other lamps is on its way.
+                if let Some(scene) = scene.filter(|scene| scene.luminaires.len() == lamps.len()) {
+                    edits.lighting = scene.lighting();
                 }
             }
             Command::SetReflectance(index, value) => {
@@ -213,7 +216,7 @@ impl App {
         (edits, solo)
     }
 
-    fn apply(&mut self, key: EditKey, edits: Edits) {
+    pub(super) fn apply(&mut self, key: EditKey, edits: Edits) {
         if edits != self.edits {
             self.history.record(key, self.edits.clone());
             self.replace_edits(edits);
@@ -223,7 +226,9 @@ impl App {
     /// Puts other edits into force and does what the difference asks for, and no more.
     fn replace_edits(&mut self, edits: Edits) {
         let before = std::mem::replace(&mut self.edits, edits);
-        if before.lighting != self.edits.lighting {
+        if before.placed != self.edits.placed {
+            self.send_placed();
+        } else if before.lighting != self.edits.lighting {
             // Whoever asked for one lamp alone says so after this.
             self.solo = None;
             let start = Instant::now();

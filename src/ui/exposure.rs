@@ -5,7 +5,8 @@
 //! the exposure lies midway, in stops, between what the view needs as its lamps stand and what it
 //! needs with the lamps as they come with the file.
 
-use crate::display::{Exposure, meter};
+use crate::display::{Exposure, luminance, meter};
+use crate::solver::PatchLight;
 
 /// Time constant with which the exposure follows the camera, seconds.
 const EASE: f64 = 0.15;
@@ -21,6 +22,14 @@ pub(super) struct Metered {
     pub(super) shown: Vec<Vec<f64>>,
     /// With the lamps as they come with the file.
     pub(super) usual: Vec<f64>,
+}
+
+impl Metered {
+    /// What is seen of one light alone.
+    pub(super) fn of(light: &PatchLight, seen: &[u32]) -> Self {
+        let seen = seen.iter().filter_map(|&patch| Some(luminance(*light.radiosity.get(patch as usize)?)));
+        Self { shown: vec![seen.collect()], usual: Vec::new() }
+    }
 }
 
 /// The automatic exposure and where it is heading.

@@ -23,6 +23,8 @@ use std::time::{Duration, Instant, SystemTime};
 const NEVER_SHOWN: Duration = Duration::from_millis(300);
 /// How often a file is looked at for changes.
 const WATCH_EVERY: Duration = Duration::from_millis(700);
+/// Files that have not changed for this long are complete: programs write a model in several goes.
+const REST: Duration = Duration::from_millis(500);
 
 /// What a helper thread tells.
 #[derive(Debug)]
@@ -171,7 +173,8 @@ impl Files {
     ) {
         let sidecar = sidecar_path(path);
         self.spawn("save sidecar", move || {
-            let mut scene = Arc::unwrap_or_clone(scene);
+            // Lamps that were added may not have come to the screen yet.
+            let mut scene = scene.with_placed(edits.placed);
             (scene.views, scene.start_view) = (views, start_view);
             let mut repainted = Vec::new();
             for (index, value) in edits.reflectance.iter().enumerate() {
@@ -233,7 +236,7 @@ fn stamps(files: &[PathBuf]) -> Vec<Option<(SystemTime, u64)>> {
 }
 
 fn after_a_moment(files: &[PathBuf]) -> Vec<Option<(SystemTime, u64)>> {
-    std::thread::sleep(Duration::from_millis(150));
+    std::thread::sleep(REST);
     stamps(files)
 }
 

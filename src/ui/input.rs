@@ -5,6 +5,7 @@ use super::command::{Command, SaveKind};
 use super::doctor::Ask;
 use super::panels::{Commands, Model};
 use super::state::{Quantity, ShadingMode};
+use crate::session::Stage;
 use egui::{Context, Key, Modifiers};
 
 /// Steps of the exposure keys, stops.
@@ -125,7 +126,8 @@ pub(super) fn commands(ctx: &Context, model: &Model<'_>, help_open: bool, out: &
             out.push(command);
         }
     }
-    if pressed(Key::P) {
+    // Hours of form factors without any light are not begun by a slip of a finger.
+    if pressed(Key::P) && model.snapshot.stage != Stage::Unlit {
         out.extend(super::panels::solver::pause(model.snapshot).2);
     }
     lamp_keys(&pressed, model, out);

@@ -29,7 +29,7 @@ impl Work {
 
     fn new(scene: &Scene, edits: &Edits, views: &[View], start_view: usize) -> Self {
         let edited = |k: usize| edits.reflectance.get(k).copied().flatten();
-        let materials = scene.materials.iter().enumerate();
+        let materials = scene.own_materials().iter().enumerate();
         Self {
             lamps: edits.lighting.lamps.clone(),
             reflectance: materials.map(|(k, material)| edited(k).unwrap_or(material.reflectance)).collect(),
@@ -191,7 +191,7 @@ impl App {
             ui.set_max_width(400.0);
             ui.label(RichText::new(format!("Save the changes to {}?", scene.name)).heading());
             ui.label(
-                RichText::new(format!("Changed: {changes}. Saved to {sidecar}, beside the model."))
+                RichText::new(format!("Changed: {changes}. Saving writes {sidecar} beside the model."))
                     .color(theme::TEXT_WEAK),
             );
             ui.add_space(6.0);

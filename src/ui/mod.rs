@@ -21,6 +21,7 @@ mod fonts;
 mod frame_clock;
 mod history;
 mod input;
+mod lampless;
 mod leaving;
 mod legend;
 mod lit;
@@ -67,12 +68,12 @@ pub enum UiError {
     Failed(String),
 }
 
-/// Opens the window on a scene and returns when it is closed.
+/// Opens the window on a scene and returns when it is closed. With `ceiling_lamps`, adds some to that scene.
 ///
 /// # Errors
 /// [`UiError::NoDisplay`] where no window can be opened at all; [`UiError::Failed`] where it ends
 /// otherwise than by being closed.
-pub fn run(source: SceneSource, settings: SolveSettings) -> Result<(), UiError> {
+pub fn run(source: SceneSource, settings: SolveSettings, ceiling_lamps: bool) -> Result<(), UiError> {
     // The solver is at work before there is a window; it wakes the window that there is.
     let window = Arc::new(Mutex::new(None::<egui::Context>));
     let woken = Arc::clone(&window);
@@ -88,7 +89,7 @@ pub fn run(source: SceneSource, settings: SolveSettings) -> Result<(), UiError> 
     let mut openings = 0;
     loop {
         openings += 1;
-        let shown = show_window(&session, &window, &legacy);
+        let shown = show_window(&session, &window, &legacy, ceiling_lamps && openings == 1);
         let is_left = legacy.lock().unwrap_or_else(PoisonError::into_inner).is_some();
         if !is_left {
             return shown;
@@ -108,6 +109,7 @@ fn show_window(
     session: &Arc<Session>,
     window: &Arc<Mutex<Option<egui::Context>>>,
     legacy: &recovery::Legacy,
+    ceiling_lamps: bool,
 ) -> Result<(), UiError> {
     let options = eframe::NativeOptions {
         viewport: egui::ViewportBuilder::default()
@@ -130,7 +132,7 @@ fn show_window(
         let app = App::new(cc, Box::new(Arc::clone(session)), state);
         theme::leave_ground_to_the_clear(&cc.egui_ctx);
         fonts::use_those_of_the_system(&cc.egui_ctx);
-        Ok(Box::new(app.with_legacy(Arc::clone(legacy))))
+        Ok(Box::new(app.with_legacy(Arc::clone(legacy)).with_ceiling_lamps(ceiling_lamps)))
     });
     // Without a device the interface panics as soon as it is drawn; what was done is left in `legacy`.
     let ran = catch_unwind(AssertUnwindSafe(|| eframe::run_native("Lumenwalk", options, create)));

@@ -33,6 +33,7 @@ impl App {
             self.stale.light = true;
             self.stale.exposure = true;
         }
+        self.follow_lampless(ctx);
         self.follow_change(&before);
         self.reclaim.later(before);
         self.tell_title(ctx);

@@ -60,6 +60,14 @@ pub(super) fn dark(ui: &egui::Ui, view: Rect) {
     });
 }
 
+/// What the picture of a scene without lamps is: nobody is to take it for its light.
+pub(super) fn even_light(ui: &egui::Ui, view: Rect) {
+    corner(ui, "even light", view, Align2::RIGHT_BOTTOM, |ui| {
+        ui.style_mut().interaction.selectable_labels = false;
+        ui.label(RichText::new("Even light: no lamps").color(Color32::from_gray(235)));
+    });
+}
+
 /// The present message, with a way to take it away.
 pub(super) fn notice(ui: &egui::Ui, view: Rect, notice: &Notice, out: &mut Commands) {
     corner(ui, "notice", view, Align2::CENTER_TOP, |ui| {

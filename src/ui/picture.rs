@@ -258,6 +258,8 @@ impl Picture {
     pub(super) fn settle(&mut self, lighting: &Lighting) {
         if let (Some(prepared), Some(bases)) = (&self.prepared, &self.bases)
             && self.lighting != *lighting
+            // Else a mesh with other lamps is on its way.
+            && lighting.lamps.len() == prepared.scene.luminaires.len()
         {
             self.light = bases.mix(&prepared.mesh, lighting, &self.reflectance);
             self.power = self.light.power(&prepared.mesh, &self.reflectance);

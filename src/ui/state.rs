@@ -3,7 +3,7 @@
 
 use super::camera_control::Motion;
 use crate::display::ToneMap;
-use crate::scene::{Lighting, Scene};
+use crate::scene::{Lighting, PlacedLamp, Scene};
 use crate::session::MaterialEdit;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeSet;
@@ -376,8 +376,10 @@ impl UiState {
 /// What the user has changed about a scene, and what undo covers.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Edits {
-    /// The lamps.
+    /// The lamps: those of the model, then those placed in it.
     pub lighting: Lighting,
+    /// Lamps placed in the model, by its sidecar or in the window.
+    pub placed: Vec<PlacedLamp>,
     /// New reflectance by material; `None` where it is that of the file.
     pub reflectance: Vec<Option<[f64; 3]>>,
     /// How the picture is made.
@@ -387,7 +389,12 @@ pub struct Edits {
 impl Edits {
     /// The scene as it comes.
     pub fn of_scene(scene: &Scene, display: DisplaySettings) -> Self {
-        Self { lighting: scene.lighting(), reflectance: vec![None; scene.materials.len()], display }
+        Self {
+            lighting: scene.lighting(),
+            placed: scene.placed.clone(),
+            reflectance: vec![None; scene.materials.len()],
+            display,
+        }
     }
 
     /// What the solver has to know of the materials.

@@ -3,6 +3,7 @@
 use super::app::App;
 use super::camera_control::{Motion, Wish};
 use super::command::Command;
+use super::exposure::Metered;
 use super::overlay::Notice;
 use super::panels::Commands;
 use super::state::Quantity;
@@ -13,6 +14,7 @@ use crate::scene::SceneSource;
 use crate::session::Stage;
 use egui::{CursorIcon, PointerButton, Rect, Sense, Vec2};
 use glam::DVec2;
+use std::borrow::Cow;
 
 /// Rays across and down with which the view is metered.
 const METER_GRID: [u32; 2] = [18, 12];
@@ -123,7 +125,8 @@ impl App {
     /// Lets the exposure follow what is in view.
     fn adapt(&mut self, ui: &egui::Ui) {
         let (Some(prepared), Some(camera)) = (self.picture.prepared.clone(), self.camera()) else { return };
-        if !self.edits.display.auto_exposure || self.picture.light.radiosity.is_empty() {
+        let even = self.lampless.light().is_some();
+        if !self.edits.display.auto_exposure || self.picture.light.radiosity.is_empty() && !even {
             return;
         }
         let from = Some((camera, prepared.mesh_serial));
@@ -133,7 +136,10 @@ impl App {
                 self.seen.patches = prepared.picker.seen_patches(&camera, self.view_size_px, METER_GRID);
                 self.seen.from = from;
             }
-            let metered = self.picture.metered(&self.seen.patches, self.split().is_some());
+            let metered = match self.lampless.light() {
+                Some(even) => Metered::of(even, &self.seen.patches),
+                None => self.picture.metered(&self.seen.patches, self.split().is_some()),
+            };
             self.exposure.measure(&metered, jump);
         }
         if self.exposure.is_moving() {
@@ -203,7 +209,10 @@ impl App {
             self.shown_values = shown.unwrap_or_default();
         } else {
             let (shading, gains) = (display.shading, self.gains);
-            let now = self.picture.corner_radiosity(shading, gains);
+            let now = match self.lampless.light() {
+                Some(even) => Cow::Owned(self.picture.corner_radiosity_of(even, shading, gains)),
+                None => self.picture.corner_radiosity(shading, gains),
+            };
             let kept = kept.map(|light| self.picture.corner_radiosity_of(light, shading, gains));
             if let Some(viewport) = &self.viewport {
                 viewport.upload(|renderer, _, queue| {
@@ -347,6 +356,9 @@ impl App {
         }
         if is_dark && self.picture.prepared.is_some() && self.notice.is_none() && self.touring.is_none() {
             overlay::dark(ui, below);
+        }
+        if self.lampless.light().is_some() && quantity == Quantity::Picture {
+            overlay::even_light(ui, rect);
         }
         // A message takes its place for a while.
         if let Some(touring) = self.touring.as_ref().filter(|_| self.notice.is_none()) {

@@ -1,6 +1,6 @@
 //! What the window asks of the solver's thread, so that tests can count it.
 
-use crate::scene::{Scene, SceneSource};
+use crate::scene::{PlacedLamp, Scene, SceneSource};
 use crate::session::{MaterialEdit, Session, Snapshot, SolveSettings};
 use std::sync::Arc;
 
@@ -18,9 +18,11 @@ pub trait Worker {
     fn settings(&self) -> SolveSettings;
     /// Solves again with these reflectances of `scene`, all that differ from its own.
     fn set_materials(&self, scene: &Arc<Scene>, edits: Vec<MaterialEdit>);
+    /// Places these lamps in the scene as it was `read`, instead of those that its file places.
+    fn set_lamps(&self, read: &Arc<Scene>, lamps: Vec<PlacedLamp>);
     /// Lets the solve rest where it is.
     fn pause(&self);
-    /// Goes on from there.
+    /// Goes on from there; where nothing is solved for want of lamps, it is after all.
     fn resume(&self);
     /// Ends the solve; the picture so far stays.
     fn stop(&self);
@@ -49,6 +51,10 @@ impl Worker for Arc<Session> {
 
     fn set_materials(&self, scene: &Arc<Scene>, edits: Vec<MaterialEdit>) {
         Session::set_materials(self, scene, edits);
+    }
+
+    fn set_lamps(&self, read: &Arc<Scene>, lamps: Vec<PlacedLamp>) {
+        Session::set_lamps(self, read, lamps);
     }
 
     fn pause(&self) {

@@ -39,7 +39,14 @@ impl Room {
                 _ => [0.1, 0.3, 0.6],
             })
             .collect();
-        let checks = Texture { name: "checks".to_owned(), width: 8, height: 8, pixels };
+        let checks = Texture {
+            name: "checks".to_owned(),
+            width: 8,
+            height: 8,
+            clamped: false,
+            mean: [0.5, 0.5, 0.4],
+            pixels,
+        };
         Self {
             scene: Scene {
                 name: "room".to_owned(),
@@ -51,7 +58,8 @@ impl Room {
                 normals: Vec::new(),
                 uvs: Vec::new(),
                 surfaces: Vec::new(),
-                objects: vec!["room".to_owned(), "box".to_owned(), "column".to_owned(), "lamp".to_owned()],
+                objects: ["room", "box", "column", "lamp"].map(str::to_owned).to_vec(),
+                given_objects: ["room", "box", "column", "lamp"].map(str::to_owned).to_vec(),
                 materials: vec![
                     material("white", [0.7; 3], None),
                     material("red", [0.6, 0.1, 0.1], None),
@@ -60,6 +68,7 @@ impl Room {
                 ],
                 textures: vec![checks],
                 luminaires: Vec::new(),
+                placed: Vec::new(),
                 views: vec![View {
                     name: "start".to_owned(),
                     eye: v(0.4, 1.7, 4.7),

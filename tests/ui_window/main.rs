@@ -3,6 +3,7 @@
 mod colours;
 mod doctor;
 mod files;
+mod lampless;
 mod leaving;
 mod microscope;
 mod panels;

@@ -13,7 +13,7 @@ fn options() -> SnapshotOptions {
 }
 
 /// Mean of the sRGB codes of the view, 0 to 255.
-fn brightness(harness: &mut Harness<'_, App>) -> f64 {
+pub(crate) fn brightness(harness: &mut Harness<'_, App>) -> f64 {
     let view = harness.get_by_label("Scene view").rect();
     brightness_in(harness, view)
 }

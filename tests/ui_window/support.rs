@@ -3,7 +3,7 @@
 use egui::{Key, Modifiers, Pos2};
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable as _;
-use lumenwalk::scene::{self, Scene, SceneSource};
+use lumenwalk::scene::{self, PlacedLamp, Scene, SceneSource};
 use lumenwalk::session::{self, Control, MaterialEdit, Snapshot, SolveSettings, Stage};
 use lumenwalk::solver::SweepReport;
 use lumenwalk::ui::{App, UiState, Worker};
@@ -150,6 +150,9 @@ impl Worker for Counting {
     }
     fn set_materials(&self, _scene: &Arc<Scene>, edits: Vec<MaterialEdit>) {
         self.note(format!("materials {}", edits.len()));
+    }
+    fn set_lamps(&self, _read: &Arc<Scene>, lamps: Vec<PlacedLamp>) {
+        self.note(format!("lamps {}", lamps.len()));
     }
     fn pause(&self) {
         self.note("pause".to_owned());

@@ -13,15 +13,20 @@ pub(super) fn check(survey: &Survey<'_>, findings: &mut Vec<Finding>) {
     let warning = |message: String| Finding::new(FindingKind::Lamp, Severity::Warning, message);
     if scene.luminaires.is_empty() {
         let message = format!(
-            "this scene has no lamp: give a material an emission Ke, or name an object of {}.toml as a \
-             [[luminaire]] with its lumens",
+            "this scene has no lamp: add ceiling lamps (Edit in the window, --ceiling-lamps on the command line), \
+             give a material an emission Ke, or name an object in {}.toml as a [[luminaire]] with its lumens",
             scene.name
         );
-        findings.push(warning(message).with("everything is black"));
+        findings.push(warning(message).with("nothing is solved; pictures show it in plain even light"));
         return;
     }
     if scene.luminaires.iter().all(|l| l.initial.output().iter().all(|e| *e <= 0.0)) {
-        let finding = warning("all lamps are off, so the scene starts dark".to_owned());
+        let is_strong = |e: [f64; 3]| e.iter().any(|e| *e > 0.0);
+        let what = match scene.luminaires.iter().any(|l| is_strong(l.initial.exitance)) {
+            true => "all lamps are off, so the scene starts dark",
+            false => "no lamp gives any light, so everything is black",
+        };
+        let finding = warning(what.to_owned());
         findings.push(finding.counted(scene.luminaires.len()));
     }
     let (mut covered, mut taken) = (Vec::new(), Vec::new());

@@ -43,6 +43,8 @@ pub struct Mended {
 /// Where a file of the model can no longer be read.
 pub fn mend(scene: &Scene, copy: &Path) -> Result<Mended, SceneError> {
     let originals = texts::originals(scene, copy)?;
+    // Lamps that the sidecar places stay there.
+    let scene = &scene.with_placed(Vec::new());
     let diagonal = scene.extent().scale;
     let mut shape = Shape::of(scene);
     let (mut done, mut left): (_, Vec<String>) = (Vec::new(), Vec::new());

@@ -2,13 +2,17 @@
 
 use crate::scene::builtin;
 use crate::scene::error::SceneError;
-use crate::scene::import::{read_beside, read_file, sidecar_path};
+use crate::scene::import::sidecar_path;
+use crate::scene::library::{Block, Library, open};
+use crate::scene::lookup::{Files, Found, read_plain};
 use crate::scene::luminaires::turn;
-use crate::scene::mtl::{image_name, library_files};
-use crate::scene::obj::{keyword, logical_lines};
-use crate::scene::sidecar::{EmitsKey, Source};
+use crate::scene::map::{Map, Placement, is_map};
+use crate::scene::selection::lamps_of_entries;
+use crate::scene::sidecar::{EmitsKey, LuminaireEntry, Source};
 use crate::scene::sides::partners;
-use crate::scene::types::{Scene, SceneSource};
+use crate::scene::text::{decode, keyword, logical_lines};
+use crate::scene::types::{Scene, SceneSource, Surface};
+use std::collections::HashMap;
 use std::fmt::Write as _;
 use std::path::{Component, Path, PathBuf};
 
@@ -34,22 +38,23 @@ pub(super) fn originals(scene: &Scene, copy: &Path) -> Result<Originals, SceneEr
             return Ok(Originals { mtl: texts.mtl, sidecar, sources: Vec::new() });
         }
     };
-    let text = |path: &Path| match read_file(path) {
-        Ok(bytes) => Ok(String::from_utf8_lossy(&bytes).into_owned()),
+    let text = |path: &Path| match read_plain(path) {
+        Ok(bytes) => Ok(decode(&bytes).into_owned()),
         Err(error) => Err(SceneError::reading(path, &error)),
     };
     let folder = path.parent().unwrap_or(Path::new(""));
     let obj = text(path)?;
     let mut originals = Originals { mtl: String::new(), sidecar: None, sources: vec![path.clone()] };
-    let way = way_between(copy.parent().unwrap_or(Path::new("")), folder);
-    for (_, line) in logical_lines(&obj) {
-        let ("mtllib", given) = keyword(&line) else { continue };
-        for (file, content) in library_files(given, &|file| read_beside(folder, file)) {
-            // A library that is not there was told by the reader.
-            let Ok(bytes) = content else { continue };
-            originals.sources.push(folder.join(&file));
-            originals.take_library(&String::from_utf8_lossy(&bytes), folder, way.as_deref());
-        }
+    let lines: Vec<_> = logical_lines(&obj).map(|(_, line)| line).collect();
+    let libraries =
+        lines.iter().map(|line| keyword(line)).filter(|(word, name)| word == "mtllib" && !name.is_empty());
+    let libraries: Vec<&str> = libraries.map(|(_, name)| name).collect();
+    let uses_materials = lines.iter().any(|line| keyword(line).0 == "usemtl");
+    let stem = path.file_stem().unwrap_or_default().to_string_lossy();
+    // A library that is not there was told by the reader.
+    for found in open(&libraries, &stem, uses_materials, Files::beside(folder)).found {
+        originals.take_library(&found, scene, folder, copy.parent().unwrap_or(Path::new("")))?;
+        originals.sources.push(found.path);
     }
     let sidecar = sidecar_path(path);
     if sidecar.exists() {
@@ -61,29 +66,67 @@ pub(super) fn originals(scene: &Scene, copy: &Path) -> Result<Originals, SceneEr
 
 impl Originals {
     /// Adds a library; images are named by the way from the copy's folder.
-    fn take_library(&mut self, text: &str, folder: &Path, way: Option<&str>) {
-        for (_, line) in logical_lines(text) {
+    fn take_library(
+        &mut self,
+        library: &Found,
+        scene: &Scene,
+        folder: &Path,
+        copy: &Path,
+    ) -> Result<(), SceneError> {
+        let text = decode(&library.bytes);
+        let laid = placements(scene, library)?;
+        let mut placement = Placement::default();
+        for (_, line) in logical_lines(&text) {
             let (word, rest) = keyword(&line);
-            if !word.starts_with("map_") && !matches!(word, "bump" | "disp" | "refl" | "norm") {
+            if word == "newmtl" {
+                placement = laid.get(rest).copied().unwrap_or_default();
+            }
+            if !is_map(&word) || rest.is_empty() {
                 self.mtl += &line;
                 self.mtl.push('\n');
                 continue;
             }
-            let image = image_name(rest);
-            let slashed = image.replace('\\', "/");
-            let last = slashed.rsplit('/').next().unwrap_or_default();
-            // The same order in which the reader looks for it.
-            let found =
-                [image.as_str(), slashed.as_str(), last].into_iter().find(|f| folder.join(f).is_file());
-            self.sources.extend(found.map(|file| folder.join(file)));
-            let bare = rest.trim_end_matches('"');
-            let options = bare.strip_suffix(image.as_str()).unwrap_or_default().trim_end_matches('"');
-            let moved = match (found, way) {
-                (Some(file), Some(way)) if !Path::new(file).is_absolute() => format!("{way}{file}"),
-                _ => image,
+            let mut map = Map::parse(rest);
+            // The copy's texture coordinates are laid already as the image of the material asks for.
+            map.placement = map.placement.after(&placement);
+            let image = match Files::beside(folder).image(&map.image, &library.path) {
+                Ok(found) => {
+                    let moved = moved(&map.image, &found, copy);
+                    self.sources.push(found);
+                    moved
+                }
+                Err(_) => map.image.clone(),
             };
-            self.mtl += &format!("{word} {options}{moved}\n");
+            let statement = line.split_whitespace().next().unwrap_or_default();
+            self.mtl += &format!("{statement} {}\n", map.text(&image));
         }
+        Ok(())
+    }
+}
+
+/// How the images of a library's materials lie on their surfaces, by what `newmtl` says.
+fn placements(scene: &Scene, library: &Found) -> Result<HashMap<String, Placement>, SceneError> {
+    let mut read = Library::default();
+    read.scan(&library.path, &decode(&library.bytes))?;
+    let shown = |block: &&Block| {
+        scene.materials.iter().any(|material| material.name == block.name && material.texture.is_some())
+    };
+    let laid = read.blocks.iter().filter(shown).filter_map(|block| {
+        let (map, _) = block.image.as_ref()?;
+        Some((block.given.clone(), map.placement))
+    });
+    Ok(laid.collect())
+}
+
+/// The name of an image, found at this path, from the folder of the copy.
+fn moved(image: &str, found: &Path, copy: &Path) -> String {
+    if Path::new(image).is_absolute() {
+        return image.to_owned();
+    }
+    let folder = found.parent().unwrap_or(Path::new(""));
+    match (way_between(copy, folder), found.file_name()) {
+        (Some(way), Some(name)) => format!("{way}{}", name.to_string_lossy()),
+        _ => image.to_owned(),
     }
 }
 
@@ -138,11 +181,14 @@ pub(super) fn obj(scene: &Scene, originals: &Originals, copy: &Path) -> String {
             line(&mut out, format_args!("{} {values}", ["v", "vt", "vn"][kind]));
         }
     }
+    // Every `o` begins another object, so that the faces of one stand together.
+    let mut ordered: Vec<&Surface> = scene.surfaces.iter().collect();
+    ordered.sort_by_key(|surface| surface.object);
     let (mut object, mut material) = (u32::MAX, u32::MAX);
-    for surface in &scene.surfaces {
+    for surface in ordered {
         if surface.object != object {
             object = surface.object;
-            line(&mut out, format_args!("o {}", scene.objects[object as usize]));
+            line(&mut out, format_args!("o {}", scene.given_objects[object as usize]));
         }
         if surface.material != material {
             material = surface.material;
@@ -171,12 +217,10 @@ fn back_emitters(scene: &Scene, originals: &Originals) -> Vec<u32> {
     let file = format!("{}.toml", scene.name);
     // It was read before; one that has been broken since turns nothing.
     let Ok(sidecar) = Source { file: &file, text }.parse() else { return Vec::new() };
-    let is_back = |entry: &toml::Spanned<_>| {
-        let entry: &crate::scene::sidecar::LuminaireEntry = entry.get_ref();
-        entry.emits == Some(EmitsKey::Back)
-    };
-    let numbered = (0_u32..).zip(&sidecar.luminaires);
-    numbered.filter(|(_, entry)| is_back(entry)).map(|(number, _)| number).collect()
+    let Some(made) = lamps_of_entries(scene, &sidecar) else { return Vec::new() };
+    let is_back = |entry: &LuminaireEntry| entry.emits == Some(EmitsKey::Back);
+    let entries = sidecar.luminaires.iter().zip(made).filter(|(entry, _)| is_back(entry.get_ref()));
+    entries.flat_map(|(_, lamps)| lamps).map(|lamp| lamp as u32).collect()
 }
 
 fn line(out: &mut String, text: std::fmt::Arguments<'_>) {

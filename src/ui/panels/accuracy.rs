@@ -46,7 +46,9 @@ fn headline(ui: &mut egui::Ui, model: &Model<'_>, out: &mut Commands) {
     ui.horizontal(|ui| {
         let verdict = super::verdict::of(model);
         let label = if verdict.error.is_empty() {
-            ui.label(RichText::new("Known once the light has settled").color(theme::TEXT_WEAK))
+            let is_unlit = model.snapshot.stage == Stage::Unlit;
+            let word = if is_unlit { "No light to check" } else { "Known once the light has settled" };
+            ui.label(RichText::new(word).color(theme::TEXT_WEAK))
         } else {
             let mut letters = verdict.error.chars();
             let word: String = letters.next().into_iter().flat_map(char::to_uppercase).chain(letters).collect();

@@ -11,9 +11,9 @@ use egui::{Align, Color32, Layout, RichText, ScrollArea, Ui, UiBuilder};
 use glam::DVec3;
 
 /// Width of the column of severities, points.
-const SEVERITY: f32 = 62.0;
+const SEVERITY: f32 = 56.0;
 /// Width of the column of counts, points.
-const COUNT: f32 = 56.0;
+const COUNT: f32 = 44.0;
 /// Width of the list of findings, points; the rest tells of one of them.
 const LIST: f32 = 318.0;
 
@@ -129,7 +129,7 @@ fn details(ui: &mut Ui, scene: &Scene, finding: &Finding, chosen: Option<usize>,
             ui.label(RichText::new(finding.kind.name()).strong());
             ui.label(RichText::new(word).color(colour));
             if finding.kind.is_mended() {
-                let note = RichText::new("a repaired copy is mended of it").small().color(theme::TEXT_WEAK);
+                let note = RichText::new("fixed in a repaired copy").small().color(theme::TEXT_WEAK);
                 ui.label(note);
             }
         });

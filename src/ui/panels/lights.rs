@@ -14,7 +14,10 @@ pub(in crate::ui) fn show(ui: &mut egui::Ui, model: &Model<'_>, out: &mut Comman
         return;
     };
     if scene.luminaires.is_empty() {
-        empty(ui, "This scene has no lamps: no material of it emits light (Ke).");
+        empty(
+            ui,
+            "No material of this scene emits light (Ke). Edit > Add ceiling lamps hangs some in its rooms.",
+        );
         return;
     }
     ui.horizontal(|ui| {
@@ -125,7 +128,12 @@ fn colour_menu(ui: &mut egui::Ui, lamp: Lamp<'_>, state: LampState, new: &mut La
         ui.label("Temperature");
         let slider = Slider::new(&mut chosen, MIN_KELVIN..=MAX_KELVIN)
             .logarithmic(true)
-            .suffix(" K")
+            // A colour that is no white has no temperature to show.
+            .custom_formatter(|value, _| match kelvin {
+                None if value == shown => "-".to_owned(),
+                _ => format!("{value:.0} K"),
+            })
+            .custom_parser(|text| text.trim_end_matches(['K', 'k', ' ']).trim().parse().ok())
             .fixed_decimals(0);
         if ui.name_inputs(format!("Colour temperature of {name}"), |ui| ui.add(slider)).changed()
             && chosen != shown

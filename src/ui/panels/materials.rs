@@ -102,9 +102,11 @@ fn colour_menu(ui: &mut egui::Ui, name: &str, now: [f64; 3], of_the_file: [f64; 
             }
         }
     });
-    if ui.button("As the file has it").clicked() {
-        new = Some(of_the_file);
-    }
+    ui.horizontal(|ui| {
+        if ui.button("As the file has it").clicked() {
+            new = Some(of_the_file);
+        }
+    });
     new
 }
 

@@ -178,6 +178,8 @@ fn edit(ui: &mut egui::Ui, model: &Model<'_>, out: &mut Commands) {
     item(ui, out, "All lamps on", "", true, Command::AllLamps(true));
     item(ui, out, "All lamps off", "0", true, Command::AllLamps(false));
     item(ui, out, "Reset all lamps", "", true, Command::ResetLamps);
+    let can_add = model.scene.is_some() && !model.is_adding_lamps;
+    item(ui, out, "Add ceiling lamps", "", can_add, Command::AddCeilingLamps);
     item(ui, out, "Reset all materials", "", true, Command::ResetMaterials);
 }
 

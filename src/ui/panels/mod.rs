@@ -105,6 +105,8 @@ pub(super) struct Model<'a> {
     pub(super) auditor: &'a Auditor,
     /// What is doubtful about the model.
     pub(super) doctor: &'a Doctor,
+    /// Places for ceiling lamps are being looked for.
+    pub(super) is_adding_lamps: bool,
     /// Undo and redo.
     pub(super) can: [bool; 2],
     /// Seconds that the last frames took on average.

@@ -23,6 +23,7 @@ pub(in crate::ui) fn state_of(snapshot: &Snapshot) -> (&'static str, Color32) {
         Stage::Balancing => ("Balancing", theme::ACCENT),
         Stage::Sweeping => ("Settling", theme::ACCENT),
         Stage::Converged => ("Settled", theme::TEXT),
+        Stage::Unlit => ("No lamps", theme::WARNING),
         Stage::Stopped => ("Stopped: light out of date", theme::WARNING),
         Stage::Failed => ("Failed", theme::FAILURE),
     }
@@ -30,14 +31,16 @@ pub(in crate::ui) fn state_of(snapshot: &Snapshot) -> (&'static str, Color32) {
 
 /// Whether the worker still has something to do.
 pub(in crate::ui) fn is_running(stage: Stage) -> bool {
-    !matches!(stage, Stage::Idle | Stage::Converged | Stage::Stopped | Stage::Failed)
+    !matches!(stage, Stage::Idle | Stage::Converged | Stage::Unlit | Stage::Stopped | Stage::Failed)
 }
 
 /// What the button for a rest is called, what it tells, and what it asks for, where it asks for anything; a
 /// solve that was stopped is taken up again.
 pub(in crate::ui) fn pause(snapshot: &Snapshot) -> (&'static str, &'static str, Option<Command>) {
-    let is_live = is_running(snapshot.stage) || snapshot.stage == Stage::Stopped;
-    let (name, tip, rest) = if snapshot.stage == Stage::Stopped {
+    let is_live = is_running(snapshot.stage) || matches!(snapshot.stage, Stage::Stopped | Stage::Unlit);
+    let (name, tip, rest) = if snapshot.stage == Stage::Unlit {
+        ("Solve anyway", "Compute form factors, though there is no light to spread", false)
+    } else if snapshot.stage == Stage::Stopped {
         ("Solve", "Solve with the settings chosen (P)", false)
     } else if snapshot.paused {
         ("Resume", "Go on (P)", false)

@@ -40,6 +40,7 @@ pub(in crate::ui) fn of(model: &Model<'_>) -> Verdict {
     let (snapshot, auditor) = (model.snapshot, model.auditor);
     let (state, colour) = state_of(snapshot);
     let is_settled = snapshot.stage == Stage::Converged;
+    let has_no_lamps = model.scene.is_some_and(|scene| scene.luminaires.is_empty());
     let (error, colour) = match &auditor.budget {
         _ if !is_settled => (String::new(), colour),
         Some(budget) => {
@@ -47,7 +48,7 @@ pub(in crate::ui) fn of(model: &Model<'_>) -> Verdict {
             (format!("error {} ({word})", percent(budget.total.error)), colour)
         }
         None if !auditor.on => ("error not checked".to_owned(), theme::TEXT),
-        None if auditor.is_dark => ("no light".to_owned(), theme::TEXT),
+        None if auditor.is_dark || has_no_lamps => ("no light".to_owned(), theme::TEXT),
         None => ("checking the error".to_owned(), theme::TEXT),
     };
     Verdict { state: state.to_owned(), error, colour }

@@ -1,0 +1,205 @@
+//! Lamps for a model that has none: one below the ceiling of each room, several in a large one; where there
+//! is no ceiling, hanging over the largest floor.
+
+mod plan;
+mod rooms;
+
+use super::placed::{LampColour, LampKind, PlacedLamp};
+use super::types::Scene;
+use crate::geometry::Ray;
+use glam::DVec3;
+use plan::{Kind, Plan};
+use rooms::Room;
+use std::collections::HashSet;
+use std::f64::consts::TAU;
+
+/// Mean illuminance aimed at on the floor, lux: that of a room one lives in rather than works in.
+const ILLUMINANCE: f64 = 250.0;
+/// Share of a lamp's light that arrives on the floor, reflections counted (a usual utilisation factor).
+const UTILISATION: f64 = 0.6;
+/// Floor area for which there is one lamp, m².
+const AREA_PER_LAMP: f64 = 16.0;
+/// The most lamps in one room, and in the whole model.
+const MOST_PER_ROOM: usize = 36;
+const MOST_LAMPS: usize = 120;
+/// Edge of a panel, metres.
+const PANEL: f64 = 0.6;
+/// Gap between the panel and the ceiling, metres.
+const GAP: f64 = 0.025;
+/// Height of a lamp over a floor without a ceiling, metres.
+const HANGING: f64 = 2.7;
+/// Colour temperature, kelvin.
+const KELVIN: f64 = 3000.0;
+/// A place is in a room if this share of the horizontal directions ends at a wall.
+const ENCLOSED: f64 = 0.5;
+/// Places tried for one lamp before it is left out.
+const TRIES: usize = 40;
+
+/// Ceiling lamps for the rooms of a scene, in metres, in a stable order; empty where there is no floor to
+/// hang one over. Names differ from those of the scene's luminaires and objects.
+///
+/// Rooms are found on a grid of columns: free height above a floor, joined to neighbours that no wall divides
+/// near the ceiling, split at narrow passages. A place without walls around it (a roof, a terrain) is no room.
+pub fn ceiling_lamps(scene: &Scene) -> Vec<PlacedLamp> {
+    let Some(plan) = Plan::of(scene) else { return Vec::new() };
+    let mut places = lamps_in(&plan, Kind::Roofed);
+    if places.is_empty() {
+        // A room whose faces were drawn from outside looks like the inside of a solid body.
+        places = lamps_in(&plan, Kind::InsideOut);
+    }
+    // A court gets its own lamps where it is the largest floor of all.
+    let court = lamps_in(&plan, Kind::Open).into_iter().max_by(|a, b| a.area.total_cmp(&b.area));
+    let largest = places.iter().map(|room| room.area).fold(0.0, f64::max);
+    places.extend(court.filter(|court| court.area > largest));
+    if places.is_empty() {
+        places.extend(over_the_largest_floor(&plan));
+    }
+    places.sort_by(|a, b| {
+        let key = |lit: &Lit| (lit.floor / (0.5 * plan.scale)).round();
+        key(a).total_cmp(&key(b)).then(b.area.total_cmp(&a.area)).then(order(&a.at[0], &b.at[0]))
+    });
+    named(scene, places)
+}
+
+fn order(a: &(DVec3, f64), b: &(DVec3, f64)) -> std::cmp::Ordering {
+    let [a, b] = [a.0, b.0];
+    a.x.total_cmp(&b.x).then(a.z.total_cmp(&b.z)).then(a.y.total_cmp(&b.y))
+}
+
+/// The lamps of one room.
+struct Lit {
+    /// Height of the floor along the up axis, metres.
+    floor: f64,
+    /// m².
+    area: f64,
+    hangs: bool,
+    /// Where the middle of each panel is, and its edge, metres.
+    at: Vec<(DVec3, f64)>,
+}
+
+/// Lamps for all rooms of a kind.
+fn lamps_in(plan: &Plan, kind: Kind) -> Vec<Lit> {
+    let rooms = rooms::find(plan, kind);
+    rooms.iter().filter_map(|room| lit(plan, room, true)).collect()
+}
+
+/// Lamps over the largest level floor under the open sky, whatever is around it.
+fn over_the_largest_floor(plan: &Plan) -> Option<Lit> {
+    let mut rooms = rooms::find(plan, Kind::Open);
+    rooms.sort_by(|a, b| b.area.total_cmp(&a.area));
+    rooms.iter().find_map(|room| lit(plan, room, false))
+}
+
+/// The lamps of a room; `None` where no place for one was found, or where it is no room.
+fn lit(plan: &Plan, room: &Room, must_be_enclosed: bool) -> Option<Lit> {
+    let wanted = (room.area / (AREA_PER_LAMP * plan.scale * plan.scale)).ceil();
+    let wanted = (wanted as usize).clamp(1, MOST_PER_ROOM);
+    let mut at: Vec<(DVec3, f64)> = Vec::new();
+    for target in room.targets(plan, wanted) {
+        let place = room.nearest(plan, target).take(TRIES).find_map(|space| panel(plan, space));
+        let place =
+            place.filter(|(middle, edge)| at.iter().all(|(other, _)| other.distance(*middle) > *edge));
+        at.extend(place);
+    }
+    let first = at.first()?;
+    if must_be_enclosed && !is_enclosed(plan, first.0, room.floor) {
+        return None;
+    }
+    Some(Lit { floor: room.floor, area: room.area, hangs: room.ceiling.is_infinite(), at })
+}
+
+/// The middle and the edge of a panel at the top of a space; `None` where something is in its way.
+fn panel(plan: &Plan, space: usize) -> Option<(DVec3, f64)> {
+    let space = &plan.spaces[space];
+    let foot = plan.at(space.cell as usize, space.floor);
+    let scale = plan.scale;
+    let middle_height = space.floor + 0.6 * plan.headroom;
+    let hanging = space.floor + HANGING * scale;
+    [1.0, 0.5].into_iter().find_map(|share| {
+        let half = 0.5 * PANEL * scale * share;
+        let corners = [(0.0, 0.0), (1.0, 1.0), (1.0, -1.0), (-1.0, 1.0), (-1.0, -1.0)];
+        let [a, b] = plan.axes;
+        // What is above each corner, as seen from where people are.
+        let mut height = hanging.min(space.ceiling - GAP * scale);
+        for (i, j) in corners {
+            let from = foot + a * (i * half) + b * (j * half) + plan.up * (middle_height - space.floor);
+            let above = plan.bvh.nearest(&Ray { origin: from, direction: plan.up }, 0.0, f64::INFINITY);
+            let above = above.map_or(f64::INFINITY, |hit| middle_height + hit.distance);
+            if space.ceiling.is_finite() {
+                // More than a step below the ceiling is no ceiling.
+                if above < space.ceiling - 0.3 * scale || above.is_infinite() {
+                    return None;
+                }
+                height = height.min(above - GAP * scale);
+            } else if above < height {
+                return None;
+            }
+        }
+        if space.ceiling.is_finite() {
+            height = height.max(middle_height);
+        }
+        let middle = foot + plan.up * (height - space.floor);
+        let is_free = corners[1..].iter().all(|&(i, j)| {
+            [0.0, 2.0 * GAP * scale].into_iter().all(|below| {
+                let origin = middle - plan.up * below;
+                let direction = (a * i + b * j) * (half * 1.2);
+                !plan.bvh.occluded(&Ray { origin, direction }, 0.0, 1.0)
+            })
+        });
+        is_free.then_some((middle, 2.0 * half))
+    })
+}
+
+/// Whether walls stand around a place under a lamp.
+fn is_enclosed(plan: &Plan, lamp: DVec3, floor: f64) -> bool {
+    const DIRECTIONS: u32 = 24;
+    let height = lamp.dot(plan.up) - floor;
+    let eyes = lamp - plan.up * (height - (0.7 * height).min(1.5 * plan.scale));
+    let [a, b] = plan.axes;
+    let meets_wall = |k: &u32| {
+        let (sin, cos) = (TAU * (f64::from(*k) + 0.3) / f64::from(DIRECTIONS)).sin_cos();
+        plan.bvh.occluded(&Ray { origin: eyes, direction: a * cos + b * sin }, 0.0, f64::INFINITY)
+    };
+    (0..DIRECTIONS).filter(meets_wall).count() as f64 >= ENCLOSED * f64::from(DIRECTIONS)
+}
+
+/// Lumens with two digits that matter.
+fn rounded(lumens: f64) -> f64 {
+    let step = 10_f64.powf(lumens.max(1e-6).log10().floor() - 1.0);
+    (lumens / step).round() * step
+}
+
+fn named(scene: &Scene, rooms: Vec<Lit>) -> Vec<PlacedLamp> {
+    let mut taken: HashSet<String> = scene.luminaires.iter().map(|lamp| lamp.name.clone()).collect();
+    taken.extend(scene.objects.iter().cloned());
+    let mut lamps: Vec<PlacedLamp> = Vec::new();
+    let mut number = 0;
+    let count: usize = rooms.iter().map(|room| room.at.len()).sum();
+    for room in rooms {
+        let lumens = rounded(ILLUMINANCE * room.area / UTILISATION / room.at.len() as f64);
+        for (middle, edge) in room.at {
+            if lamps.len() == MOST_LAMPS {
+                return lamps;
+            }
+            let kind = if room.hangs { "Hanging lamp" } else { "Ceiling lamp" };
+            let mut name = kind.to_owned();
+            while count > 1 && number == lamps.len() || taken.contains(&name) {
+                number += 1;
+                name = format!("{kind} {number}");
+            }
+            taken.insert(name.clone());
+            lamps.push(PlacedLamp {
+                name,
+                kind: LampKind::Panel,
+                position: middle,
+                aim: -scene.up.vector(),
+                size: [edge, edge],
+                lumens,
+                colour: LampColour::Kelvin(KELVIN),
+                on: true,
+                dimmer: 1.0,
+            });
+        }
+    }
+    lamps
+}

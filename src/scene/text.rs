@@ -1,0 +1,146 @@
+//! Texts of model files: their encoding, lines, words, names and numbers.
+
+use super::names;
+use encoding_rs::{Encoding, WINDOWS_1252};
+use std::borrow::Cow;
+
+/// The text of a file: in UTF-8, in UTF-16 with a byte order mark, or else in Windows-1252, in which any
+/// bytes are a text and different bytes are different characters.
+pub(super) fn decode(bytes: &[u8]) -> Cow<'_, str> {
+    if let Some((encoding, _)) = Encoding::for_bom(bytes) {
+        return encoding.decode_with_bom_removal(bytes).0;
+    }
+    match std::str::from_utf8(bytes) {
+        Ok(text) => Cow::Borrowed(text),
+        Err(_) => WINDOWS_1252.decode_without_bom_handling(bytes).0,
+    }
+}
+
+/// Splits text into logical lines: continuations joined, each with its (first) number from one. A comment
+/// ends with its line, whatever its last character.
+pub(super) fn logical_lines(text: &str) -> impl Iterator<Item = (usize, Cow<'_, str>)> {
+    let text = text.strip_prefix('\u{feff}').unwrap_or(text);
+    let mut lines = text.lines().enumerate();
+    std::iter::from_fn(move || {
+        let (index, first) = lines.next()?;
+        let mut line = Cow::Borrowed(first.trim());
+        while line.ends_with('\\') && !line.split_whitespace().any(|word| word.starts_with('#')) {
+            let joined = line.to_mut();
+            joined.pop();
+            joined.push(' ');
+            joined.push_str(lines.next().map_or("", |(_, next)| next.trim()));
+        }
+        Some((index + 1, line))
+    })
+}
+
+/// The first word of a line in lower case, as programs differ there, and the trimmed rest.
+pub(super) fn keyword(line: &str) -> (Cow<'_, str>, &str) {
+    let (word, rest) = match line.split_once(char::is_whitespace) {
+        Some((word, rest)) => (word, rest.trim()),
+        None => (line, ""),
+    };
+    let has_capitals = word.bytes().any(|b| b.is_ascii_uppercase());
+    (if has_capitals { Cow::Owned(word.to_ascii_lowercase()) } else { Cow::Borrowed(word) }, rest)
+}
+
+/// The words of a line up to a comment.
+pub(super) fn words(rest: &str) -> impl Iterator<Item = &str> {
+    rest.split_whitespace().take_while(|word| !word.starts_with('#'))
+}
+
+/// A number of a file, or what is wrong with it.
+pub(super) fn number(word: &str) -> Result<f64, String> {
+    word.parse().map_err(|_| {
+        let name = names::short(word);
+        if word.matches(',').count() == 1 && word.replacen(',', ".", 1).parse::<f64>().is_ok() {
+            return format!(
+                "'{name}' is not a number: it has a decimal comma; export the file with decimal points"
+            );
+        }
+        format!("'{name}' is not a number")
+    })
+}
+
+/// A name without the quotation marks that some programs put around it.
+pub(super) fn unquoted(name: &str) -> &str {
+    let name = name.trim();
+    let inner = name.strip_prefix('"').and_then(|rest| rest.strip_suffix('"'));
+    inner.map(str::trim).filter(|inner| !inner.is_empty()).unwrap_or(name)
+}
+
+/// A name without a comment behind it. Names may hold `#` themselves, so that the whole is tried first.
+pub(super) fn uncommented(name: &str) -> &str {
+    let starts = name
+        .char_indices()
+        .filter(|&(at, c)| c == '#' && name[..at].chars().next_back().is_some_and(char::is_whitespace));
+    starts.map(|(at, _)| name[..at].trim_end()).next().unwrap_or(name)
+}
+
+/// The names in a list up to a comment: separated by blanks, or in quotation marks where they hold some.
+pub(super) fn listed(list: &str) -> Vec<&str> {
+    let mut rest = list.trim();
+    let mut found = Vec::new();
+    while !rest.is_empty() && !rest.starts_with('#') {
+        let quoted = rest.strip_prefix('"').and_then(|inner| inner.split_once('"'));
+        let (name, after) = match quoted {
+            Some((name, after)) => (name.trim(), after),
+            None => rest.split_once(char::is_whitespace).unwrap_or((rest, "")),
+        };
+        if !name.is_empty() {
+            found.push(name);
+        }
+        rest = after.trim_start();
+    }
+    found
+}
+
+/// A name as it is compared where its exact form is not found: in lower case, underscores as blanks.
+pub(super) fn folded(name: &str) -> String {
+    name.to_lowercase().replace('_', " ").split_whitespace().collect::<Vec<_>>().join(" ")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn encodings_are_told_apart_and_names_stay_different() {
+        assert_eq!(decode("möbel".as_bytes()), "möbel");
+        assert_eq!(decode(b"m\xf6bel \x80 \x81"), "möbel € \u{81}");
+        assert_ne!(decode(b"wall \xe4"), decode(b"wall \xf6"));
+        let utf16 = |big: bool| -> Vec<u8> {
+            let units = "\u{feff}v ö 🏠".encode_utf16();
+            units.flat_map(|u| if big { u.to_be_bytes() } else { u.to_le_bytes() }).collect()
+        };
+        assert_eq!(decode(&utf16(true)), "v ö 🏠");
+        assert_eq!(decode(&utf16(false)), "v ö 🏠");
+        assert_eq!(decode(b"\xef\xbb\xbfv 1"), "v 1");
+        // Half a character at the end is no reason to refuse.
+        assert!(decode(&utf16(true)[..5]).starts_with('v'));
+    }
+
+    #[test]
+    fn lines_are_continued_and_comments_are_not() {
+        let text = "v 1 \\\n 2 \\\r\n 3\n# C:\\rooms\\\nv 4 # D:\\\nf 1\\";
+        let lines: Vec<(usize, String)> =
+            logical_lines(text).map(|(n, line)| (n, words(&line).collect::<Vec<_>>().join(" "))).collect();
+        let expected = [(1, "v 1 2 3"), (4, ""), (5, "v 4"), (6, "f 1")];
+        assert_eq!(lines, expected.map(|(n, line)| (n, line.to_owned())));
+    }
+
+    #[test]
+    fn names_lose_quotes_and_comments_and_numbers_tell_of_commas() {
+        assert_eq!(keyword("Map_KD  a B"), ("map_kd".into(), "a B"));
+        assert_eq!(unquoted("\"my room.mtl\""), "my room.mtl");
+        assert_eq!(unquoted("\""), "\"");
+        assert_eq!(uncommented("wall   # plaster"), "wall");
+        assert_eq!(uncommented("Material#25"), "Material#25");
+        assert_eq!(listed("a.mtl \"b c.mtl\" \"\" d # e"), ["a.mtl", "b c.mtl", "d"]);
+        assert_eq!(listed("\"open"), ["\"open"]);
+        assert_eq!(folded(" Lamp_study  Ü"), "lamp study ü");
+        assert!(number("0,5").unwrap_err().contains("decimal comma"));
+        assert!(!number("a,b").unwrap_err().contains("decimal comma"));
+        assert_eq!(number("1e3"), Ok(1000.0));
+    }
+}
