@@ -25,7 +25,7 @@ fn occluders(quads: &[[DVec3; 4]]) -> Occluders {
             half: 0.5 * bounds.size(),
             emits: [false; 2],
             dark: [false; 2],
-            backing: Backing::None,
+            backing: crate::mesh::Backing::None,
         });
     }
     let boxes: Vec<(DVec3, DVec3)> = all.regions.iter().map(|r| (r.middle, r.half)).collect();

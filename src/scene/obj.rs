@@ -428,7 +428,7 @@ mod tests {
     fn read(text: &str) -> Result<(Obj, Vec<String>), SceneError> {
         let scan = Watch::nobody(|watch| scan("t.obj", "t", text, watch))?;
         let names = scan.materials.clone();
-        Watch::nobody(|watch| polygons::parse("t.obj", scan, watch)).map(|obj| (obj, names))
+        Watch::nobody(|watch| parse("t.obj", scan, watch)).map(|obj| (obj, names))
     }
 
     const SQUARE: &str = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n";
@@ -495,7 +495,7 @@ mod tests {
         let lines = "vt 0 0\nvt nan 0\nvt\nvt 2e9 0\nvn 0 zero 1\nvn 0 0 1\nMTLLIB\n";
         let faces = "f 1/1 2/1 3/9\nf 1//2 2//2 3//-7\nf 1/1/2 2/1/2 3/x/2\nf 1/2 2/1 3/1\nF 1/1 2/1 3/1\n";
         let text = format!("{SQUARE}{lines}{faces}");
-        let found = scan("t.obj", "t", &text).unwrap().findings;
+        let found = Watch::nobody(|watch| scan("t.obj", "t", &text, watch)).unwrap().findings;
         for (message, count) in [
             ("texture coordinates that are not there have none (2, lines 12, 14)", 2),
             ("vertex normals that are not there have none (1, line 13)", 1),
@@ -529,7 +529,7 @@ mod tests {
     fn colours_of_corners_are_named() {
         let coloured = "v 0 0 0 1 0 0\nv 1 0 0 0 1 0\nv 1 1 0 1.0\nf 1 2 3\n";
         let level = |text: &str| {
-            let scan = scan("t.obj", "t", text).unwrap();
+            let scan = Watch::nobody(|watch| scan("t.obj", "t", text, watch)).unwrap();
             let found = scan.findings.iter().find(|f| f.message.contains("colours of corners"));
             found.map(|f| (f.severity, f.count))
         };
