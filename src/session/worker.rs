@@ -1,7 +1,7 @@
 use super::effect_costs;
+use super::error::Failure;
 use super::pipeline::{
-    Control, PipelineError, Prepared, Progress, Run, SolveSettings, Solved, Stage, Timings,
-    patch_reflectance, system,
+    Control, Prepared, Progress, Run, SolveSettings, Solved, Stage, Timings, patch_reflectance, system,
 };
 use super::recompute::{Recompute, same_geometry};
 use super::threads;
@@ -9,7 +9,7 @@ use super::wanted::{Edits, Wanted};
 use crate::effects::EffectPlan;
 use crate::form_factors::{AssembleReport, FormFactors, Row, RowComputer};
 use crate::mesh::{LightSearch, PatchMesh};
-use crate::scene::{PlacedLamp, Scene, SceneError, SceneSource};
+use crate::scene::{PlacedLamp, Scene, SceneSource};
 use crate::solver::{LightBases, SweepReport};
 use rayon::ThreadPool;
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -587,30 +587,5 @@ impl Worker<'_> {
         self.snapshot.serial += 1;
         *locked(&self.shared.latest) = Arc::new(self.snapshot.clone());
         (self.on_news)();
-    }
-}
-
-enum Failure {
-    Cancelled,
-    Said(String),
-    /// The present scene stands whole, at this stage.
-    Refused(Stage),
-}
-
-impl From<SceneError> for Failure {
-    fn from(error: SceneError) -> Self {
-        match error {
-            SceneError::Cancelled => Self::Cancelled,
-            other => Self::Said(other.to_string()),
-        }
-    }
-}
-
-impl From<PipelineError> for Failure {
-    fn from(error: PipelineError) -> Self {
-        match error {
-            PipelineError::Cancelled => Self::Cancelled,
-            other => Self::Said(other.to_string()),
-        }
     }
 }
