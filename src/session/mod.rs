@@ -2,6 +2,7 @@
 
 mod arriving;
 mod effect_costs;
+mod error;
 mod memory;
 mod pipeline;
 mod recompute;
@@ -11,9 +12,10 @@ mod watched;
 mod worker;
 
 pub use effect_costs::effect_costs;
+pub use error::PipelineError;
 pub use memory::available_bytes;
 pub use pipeline::{
-    Control, PipelineError, Prepared, Progress, Run, SolveSettings, Solved, Stage, Timings,
-    patch_reflectance, prepare, solve, system, without_light,
+    Control, Prepared, Progress, Run, SolveSettings, Solved, Stage, Timings, patch_reflectance, prepare,
+    solve, system, without_light,
 };
 pub use worker::{MaterialEdit, Session, Snapshot};

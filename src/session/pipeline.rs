@@ -2,13 +2,14 @@
 
 use super::arriving::Arriving;
 use super::effect_costs;
-use super::memory::{check_memory, too_large};
+use super::error::PipelineError;
+use super::memory::check_memory;
 use crate::effects::{self, Effect, EffectChoices, EffectPlan};
 use crate::form_factors::{AssembleReport, FormFactors, Method, ReceivingPoints, Row, RowComputer, Sampling};
 use crate::mesh::{self, LightSearch, MeshSettings, PatchMesh, PatchTarget, Refinement, Survey};
 use crate::scene::{Lighting, Scene};
 use crate::solver::{GaussSeidel, LightBases, PatchLight, SweepReport, System};
-use crate::watch::{Cancelled, Watch};
+use crate::watch::Watch;
 use glam::DVec3;
 use rayon::prelude::*;
 use std::sync::Arc;
@@ -163,46 +164,6 @@ pub enum Control {
     Rested(Duration),
     /// Stop within milliseconds; the solve returns [`PipelineError::Cancelled`].
     Cancel,
-}
-
-/// Why a solve ended without a solution.
-#[derive(Debug, thiserror::Error)]
-pub enum PipelineError {
-    /// The observer or the token cancelled.
-    #[error("the solve was cancelled")]
-    Cancelled,
-    /// The scene could not be cut into patches.
-    #[error(transparent)]
-    Mesh(mesh::MeshError),
-    /// The rows would not fit into memory.
-    #[error("{}", too_large(*patches, *whole, [*needed_gb, *available_gb], *fitting))]
-    Memory {
-        /// Patches asked for.
-        patches: usize,
-        /// Of these, sides of faces smaller than a patch, which need one each.
-        whole: usize,
-        /// Estimate of the memory needed, GB.
-        needed_gb: f64,
-        /// Memory free now, GB.
-        available_gb: f64,
-        /// How many patches would fit.
-        fitting: usize,
-    },
-}
-
-impl From<mesh::MeshError> for PipelineError {
-    fn from(error: mesh::MeshError) -> Self {
-        match error {
-            mesh::MeshError::Cancelled => Self::Cancelled,
-            other => Self::Mesh(other),
-        }
-    }
-}
-
-impl From<Cancelled> for PipelineError {
-    fn from(Cancelled: Cancelled) -> Self {
-        Self::Cancelled
-    }
 }
 
 /// What the solve of a scene rests on: patches, effects and the way to compute rows.

@@ -1,6 +1,7 @@
 //! Stages whose work is watched: reading, meshing, balancing.
 
-use super::pipeline::{Clock, PipelineError, Prepared, Run, SolveSettings, Stage, Timings, prepare_watched};
+use super::error::PipelineError;
+use super::pipeline::{Clock, Prepared, Run, SolveSettings, Stage, Timings, prepare_watched};
 use crate::mesh::{LightSearch, Survey};
 use crate::scene::{self, Scene, SceneError, SceneSource};
 use crate::watch::Watch;

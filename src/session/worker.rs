@@ -1,7 +1,7 @@
 use super::effect_costs;
+use super::error::Failure;
 use super::pipeline::{
-    Control, PipelineError, Prepared, Progress, Run, SolveSettings, Solved, Stage, Timings,
-    patch_reflectance, system,
+    Control, Prepared, Progress, Run, SolveSettings, Solved, Stage, Timings, patch_reflectance, system,
 };
 use super::recompute::{Recompute, same_geometry};
 use super::threads;
@@ -9,7 +9,7 @@ use super::wanted::{Edits, Wanted};
 use crate::effects::EffectPlan;
 use crate::form_factors::{AssembleReport, FormFactors, Row, RowComputer};
 use crate::mesh::{LightSearch, PatchMesh};
-use crate::scene::{PlacedLamp, Scene, SceneError, SceneSource};
+use crate::scene::{PlacedLamp, Scene, SceneSource};
 use crate::solver::{LightBases, SweepReport};
 use rayon::ThreadPool;
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -419,11 +419,15 @@ impl Worker<'_> {
     /// Reads and meshes what is wanted, where that is called for. What is refused is struck off the wish, and
     /// what is left of it holds for the present scene.
     fn renew(&mut self, wanted: &mut Wanted) -> Result<Recompute, Failure> {
+        let Snapshot { fraction, seconds_left, rows, timings, .. } = self.snapshot;
         loop {
             let mut todo = Recompute::between(&self.state, wanted);
             match self.take_up(wanted, &mut todo) {
                 Ok(()) => return Ok(todo),
                 Err(Failure::Said(sentence)) if self.state.prepared.is_some() => {
+                    // How far that had come is nothing to the present scene.
+                    (self.snapshot.fraction, self.snapshot.seconds_left) = (fraction, seconds_left);
+                    (self.snapshot.rows, self.snapshot.timings) = (rows, timings);
                     self.give_up(wanted, todo, sentence);
                 }
                 Err(other) => return Err(other),
@@ -547,7 +551,11 @@ impl Worker<'_> {
                 self.snapshot.unshot = progress.unshot().map(Arc::new);
             }
             self.publish(progress.stage);
-            Control::Rested(self.rest_while_paused(progress.stage))
+            // A scene is read and cut all the same: there is to be something to look at.
+            match progress.stage {
+                Stage::Loading | Stage::Meshing => Control::Continue,
+                stage => Control::Rested(self.rest_while_paused(stage)),
+            }
         };
         let mut run = Run::new(&mut observer, &shared.cancel, timings);
         let result = part(&mut run);
@@ -579,30 +587,5 @@ impl Worker<'_> {
         self.snapshot.serial += 1;
         *locked(&self.shared.latest) = Arc::new(self.snapshot.clone());
         (self.on_news)();
-    }
-}
-
-enum Failure {
-    Cancelled,
-    Said(String),
-    /// The present scene stands whole, at this stage.
-    Refused(Stage),
-}
-
-impl From<SceneError> for Failure {
-    fn from(error: SceneError) -> Self {
-        match error {
-            SceneError::Cancelled => Self::Cancelled,
-            other => Self::Said(other.to_string()),
-        }
-    }
-}
-
-impl From<PipelineError> for Failure {
-    fn from(error: PipelineError) -> Self {
-        match error {
-            PipelineError::Cancelled => Self::Cancelled,
-            other => Self::Said(other.to_string()),
-        }
     }
 }

@@ -9,16 +9,10 @@ use lumenwalk::session::{SolveSettings, Solved};
 /// asked for.
 fn furnished(bricks: u32) -> Solved {
     let mut m = Model::new();
-    m.grey("paint", 0.5).paint("glow", [0.0; 3], [10.0; 3]).ceiling_with_lamp(
-        "paint",
-        [5.0, 2.8, 4.0],
-        [2.2, 1.7, 2.8, 2.3],
-    );
-    m.room(
-        DVec3::ZERO,
-        dvec3(5.0, 2.8, 4.0),
-        [Some("paint"), Some("paint"), Some("paint"), None, Some("paint"), Some("paint")],
-    );
+    m.grey("paint", 0.5).paint("glow", [0.5; 3], [20.0; 3]);
+    let all = Some("paint");
+    m.room(DVec3::ZERO, dvec3(5.0, 2.8, 4.0), [all, None, all, all, all, all]);
+    m.object("ceiling").ceiling_with_lamp("paint", [5.0, 2.8, 4.0], [2.2, 2.8, 1.7, 2.3]);
     m.block("table", "paint", dvec3(1.8, 0.70, 1.5), dvec3(3.2, 0.74, 2.5));
     for brick in 0..bricks {
         let low = dvec3(0.1 + 0.1 * f64::from(brick % 15), 0.0, 0.1 + 0.1 * f64::from(brick / 15));

@@ -1,0 +1,73 @@
+//! Why a solve or a request ends early.
+
+use super::memory::too_large;
+use super::pipeline::Stage;
+use crate::mesh;
+use crate::scene::SceneError;
+use crate::watch::Cancelled;
+
+/// Why a solve ended without a solution.
+#[derive(Debug, thiserror::Error)]
+pub enum PipelineError {
+    /// The observer or the token cancelled.
+    #[error("the solve was cancelled")]
+    Cancelled,
+    /// The scene could not be cut into patches.
+    #[error(transparent)]
+    Mesh(mesh::MeshError),
+    /// The rows would not fit into memory.
+    #[error("{}", too_large(*patches, *whole, [*needed_gb, *available_gb], *fitting))]
+    Memory {
+        /// Patches asked for.
+        patches: usize,
+        /// Of these, sides of faces smaller than a patch, which need one each.
+        whole: usize,
+        /// Estimate of the memory needed, GB.
+        needed_gb: f64,
+        /// Memory free now, GB.
+        available_gb: f64,
+        /// How many patches would fit.
+        fitting: usize,
+    },
+}
+
+impl From<mesh::MeshError> for PipelineError {
+    fn from(error: mesh::MeshError) -> Self {
+        match error {
+            mesh::MeshError::Cancelled => Self::Cancelled,
+            other => Self::Mesh(other),
+        }
+    }
+}
+
+impl From<Cancelled> for PipelineError {
+    fn from(Cancelled: Cancelled) -> Self {
+        Self::Cancelled
+    }
+}
+
+/// Why the worker does not answer a request in full.
+pub(super) enum Failure {
+    Cancelled,
+    Said(String),
+    /// The present scene stands whole, at this stage.
+    Refused(Stage),
+}
+
+impl From<SceneError> for Failure {
+    fn from(error: SceneError) -> Self {
+        match error {
+            SceneError::Cancelled => Self::Cancelled,
+            other => Self::Said(other.to_string()),
+        }
+    }
+}
+
+impl From<PipelineError> for Failure {
+    fn from(error: PipelineError) -> Self {
+        match error {
+            PipelineError::Cancelled => Self::Cancelled,
+            other => Self::Said(other.to_string()),
+        }
+    }
+}
