@@ -7,7 +7,7 @@ mod rooms;
 use super::placed::{LampColour, LampKind, PlacedLamp};
 use super::types::Scene;
 use crate::geometry::Ray;
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 use plan::{Kind, Plan};
 use rooms::Room;
 use std::collections::HashSet;
@@ -17,8 +17,10 @@ use std::f64::consts::TAU;
 const ILLUMINANCE: f64 = 250.0;
 /// Share of a lamp's light that arrives on the floor, reflections counted (a usual utilisation factor).
 const UTILISATION: f64 = 0.6;
-/// Floor area for which there is one lamp, m².
+/// Floor area for which there is one lamp, m², in rooms of usual height.
 const AREA_PER_LAMP: f64 = 16.0;
+/// In higher ones lamps are so many times their height above the floor apart, as is usual.
+const SPACING: f64 = 1.3;
 /// The most lamps in one room, and in the whole model.
 const MOST_PER_ROOM: usize = 36;
 const MOST_LAMPS: usize = 120;
@@ -32,6 +34,8 @@ const HANGING: f64 = 2.7;
 const KELVIN: f64 = 3000.0;
 /// A place is in a room if this share of the horizontal directions ends at a wall.
 const ENCLOSED: f64 = 0.5;
+/// A court gets lamps if its floor is more than this share of the largest room's.
+const COURT: f64 = 0.25;
 /// Places tried for one lamp before it is left out.
 const TRIES: usize = 40;
 
@@ -47,10 +51,10 @@ pub fn ceiling_lamps(scene: &Scene) -> Vec<PlacedLamp> {
         // A room whose faces were drawn from outside looks like the inside of a solid body.
         places = lamps_in(&plan, Kind::InsideOut);
     }
-    // A court gets its own lamps where it is the largest floor of all.
+    // A court that is large beside the rooms gets its own lamps.
     let court = lamps_in(&plan, Kind::Open).into_iter().max_by(|a, b| a.area.total_cmp(&b.area));
     let largest = places.iter().map(|room| room.area).fold(0.0, f64::max);
-    places.extend(court.filter(|court| court.area > largest));
+    places.extend(court.filter(|court| court.area > COURT * largest));
     if places.is_empty() {
         places.extend(over_the_largest_floor(&plan));
     }
@@ -92,26 +96,41 @@ fn over_the_largest_floor(plan: &Plan) -> Option<Lit> {
 
 /// The lamps of a room; `None` where no place for one was found, or where it is no room.
 fn lit(plan: &Plan, room: &Room, must_be_enclosed: bool) -> Option<Lit> {
-    let wanted = (room.area / (AREA_PER_LAMP * plan.scale * plan.scale)).ceil();
+    let height = if room.ceiling.is_finite() { room.ceiling - room.floor } else { HANGING * plan.scale };
+    let share = (AREA_PER_LAMP * plan.scale * plan.scale).max((SPACING * height).powi(2));
+    let wanted = (room.area / share).ceil();
     let wanted = (wanted as usize).clamp(1, MOST_PER_ROOM);
     let mut at: Vec<(DVec3, f64)> = Vec::new();
     for target in room.targets(plan, wanted) {
-        let place = room.nearest(plan, target).take(TRIES).find_map(|space| panel(plan, space));
+        let mut spaces = room.nearest(plan, target).take(TRIES);
+        let place = spaces.find_map(|space| {
+            // Rows are even where nothing is in the way.
+            let near = plan.level(plan.spaces[space].cell as usize);
+            let exact = near.distance(target) < plan.cell;
+            exact.then(|| panel(plan, space, target)).flatten().or_else(|| panel(plan, space, near))
+        });
         let place =
             place.filter(|(middle, edge)| at.iter().all(|(other, _)| other.distance(*middle) > *edge));
         at.extend(place);
     }
     let first = at.first()?;
-    if must_be_enclosed && !is_enclosed(plan, first.0, room.floor) {
+    // Fences make no room of a garden.
+    let height = first.0.dot(plan.up) - room.floor;
+    let eyes = match room.ceiling.is_finite() {
+        true => (0.7 * height).min(1.5 * plan.scale),
+        false => 0.85 * height,
+    };
+    if must_be_enclosed && !is_enclosed(plan, first.0 - plan.up * (height - eyes)) {
         return None;
     }
     Some(Lit { floor: room.floor, area: room.area, hangs: room.ceiling.is_infinite(), at })
 }
 
-/// The middle and the edge of a panel at the top of a space; `None` where something is in its way.
-fn panel(plan: &Plan, space: usize) -> Option<(DVec3, f64)> {
+/// The middle and the edge of a panel at the top of a space, at these level coordinates in it or beside it;
+/// `None` where something is in its way.
+fn panel(plan: &Plan, space: usize, at: DVec2) -> Option<(DVec3, f64)> {
     let space = &plan.spaces[space];
-    let foot = plan.at(space.cell as usize, space.floor);
+    let foot = plan.point(at, space.floor);
     let scale = plan.scale;
     let middle_height = space.floor + 0.6 * plan.headroom;
     let hanging = space.floor + HANGING * scale;
@@ -120,12 +139,13 @@ fn panel(plan: &Plan, space: usize) -> Option<(DVec3, f64)> {
         let corners = [(0.0, 0.0), (1.0, 1.0), (1.0, -1.0), (-1.0, 1.0), (-1.0, -1.0)];
         let [a, b] = plan.axes;
         // What is above each corner, as seen from where people are.
-        let mut height = hanging.min(space.ceiling - GAP * scale);
+        let is_roofed = space.ceiling.is_finite();
+        let mut height = if is_roofed { space.ceiling - GAP * scale } else { hanging };
         for (i, j) in corners {
             let from = foot + a * (i * half) + b * (j * half) + plan.up * (middle_height - space.floor);
             let above = plan.bvh.nearest(&Ray { origin: from, direction: plan.up }, 0.0, f64::INFINITY);
             let above = above.map_or(f64::INFINITY, |hit| middle_height + hit.distance);
-            if space.ceiling.is_finite() {
+            if is_roofed {
                 // More than a step below the ceiling is no ceiling.
                 if above < space.ceiling - 0.3 * scale || above.is_infinite() {
                     return None;
@@ -134,9 +154,6 @@ fn panel(plan: &Plan, space: usize) -> Option<(DVec3, f64)> {
             } else if above < height {
                 return None;
             }
-        }
-        if space.ceiling.is_finite() {
-            height = height.max(middle_height);
         }
         let middle = foot + plan.up * (height - space.floor);
         let is_free = corners[1..].iter().all(|&(i, j)| {
@@ -150,11 +167,9 @@ fn panel(plan: &Plan, space: usize) -> Option<(DVec3, f64)> {
     })
 }
 
-/// Whether walls stand around a place under a lamp.
-fn is_enclosed(plan: &Plan, lamp: DVec3, floor: f64) -> bool {
+/// Whether walls stand around a place.
+fn is_enclosed(plan: &Plan, eyes: DVec3) -> bool {
     const DIRECTIONS: u32 = 24;
-    let height = lamp.dot(plan.up) - floor;
-    let eyes = lamp - plan.up * (height - (0.7 * height).min(1.5 * plan.scale));
     let [a, b] = plan.axes;
     let meets_wall = |k: &u32| {
         let (sin, cos) = (TAU * (f64::from(*k) + 0.3) / f64::from(DIRECTIONS)).sin_cos();
