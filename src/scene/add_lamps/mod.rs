@@ -102,12 +102,16 @@ fn lit(plan: &Plan, room: &Room, must_be_enclosed: bool) -> Option<Lit> {
     let wanted = (wanted as usize).clamp(1, MOST_PER_ROOM);
     let mut at: Vec<(DVec3, f64)> = Vec::new();
     for target in room.targets(plan, wanted) {
-        let mut spaces = room.nearest(plan, target).take(TRIES);
-        let place = spaces.find_map(|space| {
-            // Rows are even where nothing is in the way.
-            let near = plan.level(plan.spaces[space].cell as usize);
-            let exact = near.distance(target) < plan.cell;
-            exact.then(|| panel(plan, space, target)).flatten().or_else(|| panel(plan, space, near))
+        let spaces: Vec<usize> = room.nearest(plan, target).take(TRIES).collect();
+        // A small panel in the shaft of a skylight is worse than a usual one beside it.
+        let place = [PANEL, 0.5 * PANEL].into_iter().find_map(|edge| {
+            spaces.iter().find_map(|&space| {
+                // Rows are even where nothing is in the way.
+                let near = plan.level(plan.spaces[space].cell as usize);
+                let exact = near.distance(target) < plan.cell;
+                let at_target = exact.then(|| panel(plan, space, target, edge)).flatten();
+                at_target.or_else(|| panel(plan, space, near, edge))
+            })
         });
         let place =
             place.filter(|(middle, edge)| at.iter().all(|(other, _)| other.distance(*middle) > *edge));
@@ -127,44 +131,40 @@ fn lit(plan: &Plan, room: &Room, must_be_enclosed: bool) -> Option<Lit> {
 }
 
 /// The middle and the edge of a panel at the top of a space, at these level coordinates in it or beside it;
-/// `None` where something is in its way.
-fn panel(plan: &Plan, space: usize, at: DVec2) -> Option<(DVec3, f64)> {
+/// `None` where something is in its way. `edge` is that of a panel in a building.
+fn panel(plan: &Plan, space: usize, at: DVec2, edge: f64) -> Option<(DVec3, f64)> {
     let space = &plan.spaces[space];
-    let foot = plan.point(at, space.floor);
     let scale = plan.scale;
-    let middle_height = space.floor + 0.6 * plan.headroom;
-    let hanging = space.floor + HANGING * scale;
-    [1.0, 0.5].into_iter().find_map(|share| {
-        let half = 0.5 * PANEL * scale * share;
-        let corners = [(0.0, 0.0), (1.0, 1.0), (1.0, -1.0), (-1.0, 1.0), (-1.0, -1.0)];
-        let [a, b] = plan.axes;
-        // What is above each corner, as seen from where people are.
-        let is_roofed = space.ceiling.is_finite();
-        let mut height = if is_roofed { space.ceiling - GAP * scale } else { hanging };
-        for (i, j) in corners {
-            let from = foot + a * (i * half) + b * (j * half) + plan.up * (middle_height - space.floor);
-            let above = plan.bvh.nearest(&Ray { origin: from, direction: plan.up }, 0.0, f64::INFINITY);
-            let above = above.map_or(f64::INFINITY, |hit| middle_height + hit.distance);
-            if is_roofed {
-                // More than a step below the ceiling is no ceiling.
-                if above < space.ceiling - 0.3 * scale || above.is_infinite() {
-                    return None;
-                }
-                height = height.min(above - GAP * scale);
-            } else if above < height {
+    let half = 0.5 * edge * scale;
+    let [a, b] = plan.axes;
+    let corners = [(0.0, 0.0), (1.0, 1.0), (1.0, -1.0), (-1.0, 1.0), (-1.0, -1.0)];
+    let corners = corners.map(|(i, j)| a * (i * half) + b * (j * half));
+    let is_roofed = space.ceiling.is_finite();
+    let below = space.floor + 0.6 * plan.headroom;
+    let mut height = if is_roofed { space.ceiling - GAP * scale } else { space.floor + HANGING * scale };
+    // What is above each corner, as seen from where people are.
+    for corner in corners {
+        let origin = plan.point(at, below) + corner;
+        let above = plan.bvh.nearest(&Ray { origin, direction: plan.up }, 0.0, f64::INFINITY);
+        let above = above.map_or(f64::INFINITY, |hit| below + hit.distance);
+        if is_roofed {
+            // More than a step below the ceiling is no ceiling.
+            if above < space.ceiling - 0.3 * scale || above.is_infinite() {
                 return None;
             }
+            height = height.min(above - GAP * scale);
+        } else if above < height {
+            return None;
         }
-        let middle = foot + plan.up * (height - space.floor);
-        let is_free = corners[1..].iter().all(|&(i, j)| {
-            [0.0, 2.0 * GAP * scale].into_iter().all(|below| {
-                let origin = middle - plan.up * below;
-                let direction = (a * i + b * j) * (half * 1.2);
-                !plan.bvh.occluded(&Ray { origin, direction }, 0.0, 1.0)
-            })
-        });
-        is_free.then_some((middle, 2.0 * half))
-    })
+    }
+    let middle = plan.point(at, height);
+    let is_free = corners[1..].iter().all(|&corner| {
+        [0.0, 2.0 * GAP * scale].into_iter().all(|lower| {
+            let ray = Ray { origin: middle - plan.up * lower, direction: corner * 1.2 };
+            !plan.bvh.occluded(&ray, 0.0, 1.0)
+        })
+    });
+    is_free.then_some((middle, 2.0 * half))
 }
 
 /// Whether walls stand around a place.
