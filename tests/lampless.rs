@@ -145,6 +145,8 @@ fn two_storeys_and_furniture_get_one_lamp_a_storey() {
         m.wall(from, to, [0.0, 5.5]);
     }
     m.level([-0.2, -0.2, 4.2, 3.7], 5.5, true);
+    // And two leaves of a wall with a gap of 0.75 m, closed above.
+    m.room([4.4, 0.0, 5.15, 3.5], [0.0, 2.5]);
     let lamps = scene::ceiling_lamps(&m.scene());
     assert_eq!(lamps.len(), 2, "{lamps:?}");
     hold_for_a_lamp(&lamps[0], 2.5);

@@ -11,7 +11,7 @@ use glam::{DVec2, DVec3};
 use plan::{Kind, Plan};
 use rooms::Room;
 use std::collections::HashSet;
-use std::f64::consts::TAU;
+use std::f64::consts::PI;
 
 /// Mean illuminance aimed at on the floor, lux: that of a room one lives in rather than works in.
 const ILLUMINANCE: f64 = 250.0;
@@ -34,6 +34,8 @@ const HANGING: f64 = 2.7;
 const KELVIN: f64 = 3000.0;
 /// A place is in a room if this share of the horizontal directions ends at a wall.
 const ENCLOSED: f64 = 0.5;
+/// Least width of a room, metres.
+const WIDTH: f64 = 0.85;
 /// A court gets lamps if its floor is more than this share of the largest room's.
 const COURT: f64 = 0.25;
 /// Places tried for one lamp before it is left out.
@@ -95,7 +97,7 @@ fn over_the_largest_floor(plan: &Plan) -> Option<Lit> {
 }
 
 /// The lamps of a room; `None` where no place for one was found, or where it is no room.
-fn lit(plan: &Plan, room: &Room, must_be_enclosed: bool) -> Option<Lit> {
+fn lit(plan: &Plan, room: &Room, must_be_room: bool) -> Option<Lit> {
     let height = if room.ceiling.is_finite() { room.ceiling - room.floor } else { HANGING * plan.scale };
     let share = (AREA_PER_LAMP * plan.scale * plan.scale).max((SPACING * height).powi(2));
     let wanted = (room.area / share).ceil();
@@ -124,7 +126,7 @@ fn lit(plan: &Plan, room: &Room, must_be_enclosed: bool) -> Option<Lit> {
         true => (0.7 * height).min(1.5 * plan.scale),
         false => 0.85 * height,
     };
-    if must_be_enclosed && !is_enclosed(plan, first.0 - plan.up * (height - eyes)) {
+    if must_be_room && !is_in_a_room(plan, first.0 - plan.up * (height - eyes)) {
         return None;
     }
     Some(Lit { floor: room.floor, area: room.area, hangs: room.ceiling.is_infinite(), at })
@@ -167,15 +169,19 @@ fn panel(plan: &Plan, space: usize, at: DVec2, edge: f64) -> Option<(DVec3, f64)
     is_free.then_some((middle, 2.0 * half))
 }
 
-/// Whether walls stand around a place.
-fn is_enclosed(plan: &Plan, eyes: DVec3) -> bool {
-    const DIRECTIONS: u32 = 24;
+/// Whether walls stand around a place, and leave room for a person: between the leaves of a wall hangs no lamp.
+fn is_in_a_room(plan: &Plan, eyes: DVec3) -> bool {
+    const HALF: usize = 12;
     let [a, b] = plan.axes;
-    let meets_wall = |k: &u32| {
-        let (sin, cos) = (TAU * (f64::from(*k) + 0.3) / f64::from(DIRECTIONS)).sin_cos();
-        plan.bvh.occluded(&Ray { origin: eyes, direction: a * cos + b * sin }, 0.0, f64::INFINITY)
+    let to_wall = |k: usize| {
+        let (sin, cos) = (PI * (k as f64 + 0.3) / HALF as f64).sin_cos();
+        let ray = Ray { origin: eyes, direction: a * cos + b * sin };
+        plan.bvh.nearest(&ray, 0.0, f64::INFINITY).map_or(f64::INFINITY, |hit| hit.distance)
     };
-    (0..DIRECTIONS).filter(meets_wall).count() as f64 >= ENCLOSED * f64::from(DIRECTIONS)
+    let distances: Vec<f64> = (0..2 * HALF).map(to_wall).collect();
+    let walls = distances.iter().filter(|distance| distance.is_finite()).count();
+    let narrowest = (0..HALF).map(|k| distances[k] + distances[k + HALF]).fold(f64::INFINITY, f64::min);
+    walls as f64 >= ENCLOSED * (2 * HALF) as f64 && narrowest >= WIDTH * plan.scale
 }
 
 /// Lumens with two digits that matter.
