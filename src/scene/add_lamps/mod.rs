@@ -7,18 +7,20 @@ mod rooms;
 use super::placed::{LampColour, LampKind, PlacedLamp};
 use super::types::Scene;
 use crate::geometry::Ray;
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 use plan::{Kind, Plan};
 use rooms::Room;
 use std::collections::HashSet;
-use std::f64::consts::TAU;
+use std::f64::consts::PI;
 
 /// Mean illuminance aimed at on the floor, lux: that of a room one lives in rather than works in.
 const ILLUMINANCE: f64 = 250.0;
 /// Share of a lamp's light that arrives on the floor, reflections counted (a usual utilisation factor).
 const UTILISATION: f64 = 0.6;
-/// Floor area for which there is one lamp, m².
+/// Floor area for which there is one lamp, m², in rooms of usual height.
 const AREA_PER_LAMP: f64 = 16.0;
+/// In higher ones lamps are so many times their height above the floor apart, as is usual.
+const SPACING: f64 = 1.3;
 /// The most lamps in one room, and in the whole model.
 const MOST_PER_ROOM: usize = 36;
 const MOST_LAMPS: usize = 120;
@@ -32,6 +34,10 @@ const HANGING: f64 = 2.7;
 const KELVIN: f64 = 3000.0;
 /// A place is in a room if this share of the horizontal directions ends at a wall.
 const ENCLOSED: f64 = 0.5;
+/// Least width of a room, metres.
+const WIDTH: f64 = 0.85;
+/// A court gets lamps if its floor is more than this share of the largest room's.
+const COURT: f64 = 0.25;
 /// Places tried for one lamp before it is left out.
 const TRIES: usize = 40;
 
@@ -47,10 +53,10 @@ pub fn ceiling_lamps(scene: &Scene) -> Vec<PlacedLamp> {
         // A room whose faces were drawn from outside looks like the inside of a solid body.
         places = lamps_in(&plan, Kind::InsideOut);
     }
-    // A court gets its own lamps where it is the largest floor of all.
+    // A court that is large beside the rooms gets its own lamps.
     let court = lamps_in(&plan, Kind::Open).into_iter().max_by(|a, b| a.area.total_cmp(&b.area));
     let largest = places.iter().map(|room| room.area).fold(0.0, f64::max);
-    places.extend(court.filter(|court| court.area > largest));
+    places.extend(court.filter(|court| court.area > COURT * largest));
     if places.is_empty() {
         places.extend(over_the_largest_floor(&plan));
     }
@@ -91,76 +97,91 @@ fn over_the_largest_floor(plan: &Plan) -> Option<Lit> {
 }
 
 /// The lamps of a room; `None` where no place for one was found, or where it is no room.
-fn lit(plan: &Plan, room: &Room, must_be_enclosed: bool) -> Option<Lit> {
-    let wanted = (room.area / (AREA_PER_LAMP * plan.scale * plan.scale)).ceil();
+fn lit(plan: &Plan, room: &Room, must_be_room: bool) -> Option<Lit> {
+    let height = if room.ceiling.is_finite() { room.ceiling - room.floor } else { HANGING * plan.scale };
+    let share = (AREA_PER_LAMP * plan.scale * plan.scale).max((SPACING * height).powi(2));
+    let wanted = (room.area / share).ceil();
     let wanted = (wanted as usize).clamp(1, MOST_PER_ROOM);
     let mut at: Vec<(DVec3, f64)> = Vec::new();
     for target in room.targets(plan, wanted) {
-        let place = room.nearest(plan, target).take(TRIES).find_map(|space| panel(plan, space));
+        let spaces: Vec<usize> = room.nearest(plan, target).take(TRIES).collect();
+        // A small panel in the shaft of a skylight is worse than a usual one beside it.
+        let place = [PANEL, 0.5 * PANEL].into_iter().find_map(|edge| {
+            spaces.iter().find_map(|&space| {
+                // Rows are even where nothing is in the way.
+                let near = plan.level(plan.spaces[space].cell as usize);
+                let exact = near.distance(target) < plan.cell;
+                let at_target = exact.then(|| panel(plan, space, target, edge)).flatten();
+                at_target.or_else(|| panel(plan, space, near, edge))
+            })
+        });
         let place =
             place.filter(|(middle, edge)| at.iter().all(|(other, _)| other.distance(*middle) > *edge));
         at.extend(place);
     }
     let first = at.first()?;
-    if must_be_enclosed && !is_enclosed(plan, first.0, room.floor) {
+    // Fences make no room of a garden.
+    let height = first.0.dot(plan.up) - room.floor;
+    let eyes = match room.ceiling.is_finite() {
+        true => (0.7 * height).min(1.5 * plan.scale),
+        false => 0.85 * height,
+    };
+    if must_be_room && !is_in_a_room(plan, first.0 - plan.up * (height - eyes)) {
         return None;
     }
     Some(Lit { floor: room.floor, area: room.area, hangs: room.ceiling.is_infinite(), at })
 }
 
-/// The middle and the edge of a panel at the top of a space; `None` where something is in its way.
-fn panel(plan: &Plan, space: usize) -> Option<(DVec3, f64)> {
+/// The middle and the edge of a panel at the top of a space, at these level coordinates in it or beside it;
+/// `None` where something is in its way. `edge` is that of a panel in a building.
+fn panel(plan: &Plan, space: usize, at: DVec2, edge: f64) -> Option<(DVec3, f64)> {
     let space = &plan.spaces[space];
-    let foot = plan.at(space.cell as usize, space.floor);
     let scale = plan.scale;
-    let middle_height = space.floor + 0.6 * plan.headroom;
-    let hanging = space.floor + HANGING * scale;
-    [1.0, 0.5].into_iter().find_map(|share| {
-        let half = 0.5 * PANEL * scale * share;
-        let corners = [(0.0, 0.0), (1.0, 1.0), (1.0, -1.0), (-1.0, 1.0), (-1.0, -1.0)];
-        let [a, b] = plan.axes;
-        // What is above each corner, as seen from where people are.
-        let mut height = hanging.min(space.ceiling - GAP * scale);
-        for (i, j) in corners {
-            let from = foot + a * (i * half) + b * (j * half) + plan.up * (middle_height - space.floor);
-            let above = plan.bvh.nearest(&Ray { origin: from, direction: plan.up }, 0.0, f64::INFINITY);
-            let above = above.map_or(f64::INFINITY, |hit| middle_height + hit.distance);
-            if space.ceiling.is_finite() {
-                // More than a step below the ceiling is no ceiling.
-                if above < space.ceiling - 0.3 * scale || above.is_infinite() {
-                    return None;
-                }
-                height = height.min(above - GAP * scale);
-            } else if above < height {
+    let half = 0.5 * edge * scale;
+    let [a, b] = plan.axes;
+    let corners = [(0.0, 0.0), (1.0, 1.0), (1.0, -1.0), (-1.0, 1.0), (-1.0, -1.0)];
+    let corners = corners.map(|(i, j)| a * (i * half) + b * (j * half));
+    let is_roofed = space.ceiling.is_finite();
+    let below = space.floor + 0.6 * plan.headroom;
+    let mut height = if is_roofed { space.ceiling - GAP * scale } else { space.floor + HANGING * scale };
+    // What is above each corner, as seen from where people are.
+    for corner in corners {
+        let origin = plan.point(at, below) + corner;
+        let above = plan.bvh.nearest(&Ray { origin, direction: plan.up }, 0.0, f64::INFINITY);
+        let above = above.map_or(f64::INFINITY, |hit| below + hit.distance);
+        if is_roofed {
+            // More than a step below the ceiling is no ceiling.
+            if above < space.ceiling - 0.3 * scale || above.is_infinite() {
                 return None;
             }
+            height = height.min(above - GAP * scale);
+        } else if above < height {
+            return None;
         }
-        if space.ceiling.is_finite() {
-            height = height.max(middle_height);
-        }
-        let middle = foot + plan.up * (height - space.floor);
-        let is_free = corners[1..].iter().all(|&(i, j)| {
-            [0.0, 2.0 * GAP * scale].into_iter().all(|below| {
-                let origin = middle - plan.up * below;
-                let direction = (a * i + b * j) * (half * 1.2);
-                !plan.bvh.occluded(&Ray { origin, direction }, 0.0, 1.0)
-            })
-        });
-        is_free.then_some((middle, 2.0 * half))
-    })
+    }
+    let middle = plan.point(at, height);
+    let is_free = corners[1..].iter().all(|&corner| {
+        [0.0, 2.0 * GAP * scale].into_iter().all(|lower| {
+            let ray = Ray { origin: middle - plan.up * lower, direction: corner * 1.2 };
+            !plan.bvh.occluded(&ray, 0.0, 1.0)
+        })
+    });
+    is_free.then_some((middle, 2.0 * half))
 }
 
-/// Whether walls stand around a place under a lamp.
-fn is_enclosed(plan: &Plan, lamp: DVec3, floor: f64) -> bool {
-    const DIRECTIONS: u32 = 24;
-    let height = lamp.dot(plan.up) - floor;
-    let eyes = lamp - plan.up * (height - (0.7 * height).min(1.5 * plan.scale));
+/// Whether walls stand around a place, and leave room for a person: between the leaves of a wall hangs no lamp.
+fn is_in_a_room(plan: &Plan, eyes: DVec3) -> bool {
+    const HALF: usize = 12;
     let [a, b] = plan.axes;
-    let meets_wall = |k: &u32| {
-        let (sin, cos) = (TAU * (f64::from(*k) + 0.3) / f64::from(DIRECTIONS)).sin_cos();
-        plan.bvh.occluded(&Ray { origin: eyes, direction: a * cos + b * sin }, 0.0, f64::INFINITY)
+    let to_wall = |k: usize| {
+        let (sin, cos) = (PI * (k as f64 + 0.3) / HALF as f64).sin_cos();
+        let ray = Ray { origin: eyes, direction: a * cos + b * sin };
+        plan.bvh.nearest(&ray, 0.0, f64::INFINITY).map_or(f64::INFINITY, |hit| hit.distance)
     };
-    (0..DIRECTIONS).filter(meets_wall).count() as f64 >= ENCLOSED * f64::from(DIRECTIONS)
+    let distances: Vec<f64> = (0..2 * HALF).map(to_wall).collect();
+    let walls = distances.iter().filter(|distance| distance.is_finite()).count();
+    let narrowest = (0..HALF).map(|k| distances[k] + distances[k + HALF]).fold(f64::INFINITY, f64::min);
+    walls as f64 >= ENCLOSED * (2 * HALF) as f64 && narrowest >= WIDTH * plan.scale
 }
 
 /// Lumens with two digits that matter.

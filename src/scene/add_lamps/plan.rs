@@ -131,7 +131,11 @@ impl Plan {
 
     /// The point of a column at this height.
     pub(super) fn at(&self, cell: usize, height: f64) -> DVec3 {
-        let level = self.level(cell);
+        self.point(self.level(cell), height)
+    }
+
+    /// The point of these level coordinates at this height.
+    pub(super) fn point(&self, level: DVec2, height: f64) -> DVec3 {
         self.axes[0] * level.x + self.axes[1] * level.y + self.up * height
     }
 

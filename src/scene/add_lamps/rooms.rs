@@ -5,7 +5,7 @@ use glam::DVec2;
 use std::collections::VecDeque;
 
 /// Passages narrower than twice this divide rooms, metres.
-const PASSAGE: f64 = 0.6;
+const PASSAGE: f64 = 0.65;
 /// Less is a gap in a wall or a shaft: floor area in m², and metres from its middle to its side.
 const SMALLEST: f64 = 1.2;
 const NARROWEST: f64 = 0.35;
