@@ -200,6 +200,9 @@ impl From<&str> for SceneSource {
 }
 
 /// One input polygon: planar, at least three corners, any simple outline.
+///
+/// A wall that is written once per side is two of these, over the same corners in opposite order: each rules
+/// its own side.
 #[derive(Clone, Debug)]
 pub struct Surface {
     /// The outline; counter-clockwise as seen from the front.
