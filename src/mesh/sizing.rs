@@ -29,7 +29,8 @@ pub(super) struct Finer<'a> {
 /// How many patches of one size the active sides give, where nothing asks for smaller ones.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 struct Demand {
-    /// Those of surfaces that are no larger than a patch: one per side, whatever the size.
+    /// Those of surfaces that are no larger than a patch, one per side whatever the size, and of surfaces with a
+    /// measure of their own.
     whole: f64,
     /// Those of larger surfaces.
     cut: f64,
@@ -42,7 +43,8 @@ impl Demand {
             let size = size.max(outline.coarsest);
             let cells = (extent.x / size).ceil().max(1.0) * (extent.y / size).ceil().max(1.0);
             let patches = (cells * filled(outline)).max(1.0) * active(*sides);
-            if cells > 1.0 {
+            // What is cut by its own measure takes no part in the choice.
+            if cells > 1.0 && outline.coarsest == 0.0 {
                 Self { cut: sum.cut + patches, ..sum }
             } else {
                 Self { whole: sum.whole + patches, ..sum }

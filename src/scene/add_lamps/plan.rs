@@ -78,7 +78,8 @@ struct Layer {
 impl Plan {
     /// `None` where the model has no level extent.
     pub(super) fn of(scene: &Scene) -> Option<Self> {
-        let triangles = scene.triangles();
+        // What is far away from the rest is no place for a lamp, and would make the columns kilometres wide.
+        let triangles = scene.main_triangles(&scene.extent());
         let bvh = Bvh::build(&triangles);
         let bounds = bvh.bounds();
         let up = scene.up.vector();
