@@ -48,6 +48,11 @@ fn floor(statements: &str) -> String {
     MTL.replacen("Kd 0.3 0.3 0.3", statements, 1)
 }
 
+/// The room with texture coordinates of half the size.
+fn halved() -> String {
+    OBJ.replace("vt 0 1\nvt 1 1\nvt 1 0", "vt 0 0.5\nvt 0.5 0.5\nvt 0.5 0")
+}
+
 fn lux(place: &Workplace, obj: &str) -> Vec<f64> {
     place.succeed(&["solve", obj, "--patches", "400", "--points", "points.csv", "--irradiance", "lux.csv"]);
     let text = place.text("lux.csv");
@@ -89,7 +94,6 @@ fn habits_of_libraries_leave_the_light_as_it_is() {
         (floor("Kd 0 0 0\nmap_Kd oak.png"), OAK, "a black Kd"),
         (floor("Kd 1 1 1\nmap_Kd Oak.PNG"), OAK, ""),
         (floor("map_Kd -bm 0.2 half.png"), HALF, "'-bm 0.2' of material 'floor'"),
-        (floor("map_Kd -s 2 2 1 half.png"), HALF, ""),
         (floor("map_Kd -o 0.5 0 0 half.png"), OTHER_HALF, ""),
         (floor("map_Kd -s -1 1 1 \"half.png\""), OTHER_HALF, ""),
         (floor("map_Kd -o -0.25 -s 0.5 -clamp on half.png"), [181.2, 142.6, 118.1], ""),
@@ -98,6 +102,10 @@ fn habits_of_libraries_leave_the_light_as_it_is() {
         place.put("room.mtl", &mtl);
         hold(&place, "room.obj", expected, words);
     }
+    // Twice as large an image on half of the coordinates is where it was.
+    place.put("room.obj", &halved());
+    place.put("room.mtl", &floor("map_Kd -s 2 2 1 half.png"));
+    hold(&place, "room.obj", HALF, "");
 }
 
 #[test]
@@ -146,12 +154,13 @@ fn habits_of_models_leave_the_light_as_it_is() {
     hold(&place, "room.obj", OAK, "");
     // The copy names the image from where it is, and says the same with the image laid already.
     place.put("lib/my room.mtl", &floor("map_Kd -s 2 2 1 -o 0.5 ../half.png\nbump -s 4 2 1 oak.png"));
+    place.put("room.obj", &halved().replace("mtllib room.mtl", "mtllib room.mtl \"lib\\my room.mtl\""));
     place.succeed(&["check", "room.obj", "--repair", "copy.obj"]);
     let library = place.text("copy.mtl");
     assert!(library.contains("map_Kd half.png\n"), "{library}");
     assert!(library.contains("bump -o -1 0 0 -s 2 1 1 lib/oak.png\n"), "{library}");
     place.put("lib/my room.mtl", &MTL.replace("Kd 0.3 0.3 0.3", "Kd 0.9 0.9 0.9"));
-    hold(&place, "copy.obj", HALF, "");
+    hold(&place, "copy.obj", OTHER_HALF, "");
 }
 
 #[test]
