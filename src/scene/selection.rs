@@ -20,7 +20,8 @@ pub(super) type ShownAndGiven<'a> = (&'a str, &'a str);
 /// Where it could be several names of the file, those.
 pub(super) fn meant<'a>(wanted: &str, names: &[ShownAndGiven<'a>]) -> Result<Vec<usize>, Vec<&'a str>> {
     let plain = folded(wanted);
-    let tests: [&dyn Fn(&str, &str) -> bool; 4] = [
+    type Test<'t> = &'t dyn Fn(&str, &str) -> bool;
+    let tests: [Test<'_>; 4] = [
         &|shown, _| shown == wanted,
         &|_, given| given == wanted,
         &|shown, _| folded(shown) == plain,

@@ -8,11 +8,14 @@ use std::collections::HashMap;
 use std::io::Cursor;
 use std::path::{Path, PathBuf};
 
+/// An image file and how it is used: whether it is clamped, and the bits of its range.
+type Use = (PathBuf, bool, Option<[u64; 2]>);
+
 /// Decoded images, each file once for every way in which it is used.
 #[derive(Debug, Default)]
 pub(super) struct Textures {
     pub(super) list: Vec<Texture>,
-    known: HashMap<(PathBuf, bool, Option<[u64; 2]>), Result<u32, String>>,
+    known: HashMap<Use, Result<u32, String>>,
     means: HashMap<PathBuf, Result<[f64; 3], String>>,
 }
 
