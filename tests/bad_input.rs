@@ -225,7 +225,7 @@ fn faces_are_dropped_and_repaired_with_count_and_object() {
         ("f 1 2\nf 3\n", "fewer than three corners", 2),
         ("f 1 2 2\nf 1 1 1\n", "faces without an area were dropped (2, in 'junk', line", 2),
         ("f 2 3 4 1\nf 5 8 7 6\n", "there twice were dropped (2, in 'junk', line", 2),
-        ("f 6 7 8 5\n", "once for each side were joined into one", 1),
+        ("f 6 7 8 5\n", "written once more for their other side", 1),
         ("f 1 2 2 7\n", "repeated corners were cleaned", 1),
         ("f 1 2 7 4\n", "not planar were split into triangles (1, in 'junk', line", 1),
         ("f 1 3 2 4\n", "crosses itself", 1),

@@ -225,7 +225,7 @@ fn a_repaired_copy_is_told_and_the_model_is_refused_as_its_place() {
     place.put("room.obj", &format!("{before}o wall_east\nusemtl paint\nf 2 3 7 6\n"));
     let model = place.text("room.obj");
     let told = place.succeed(&["check", "room.obj", "--repair", "copy.obj"]);
-    assert!(told.contains("there twice were dropped (1, in 'wall_east', line"), "{told}");
+    assert!(told.contains("there twice were dropped (1, in 'wall_east 2', line"), "{told}");
     assert!(told.contains("repaired copy: copy.obj"), "{told}");
     assert_eq!((place.text("room.obj"), place.text("copy.toml")), (model.clone(), place.text("room.toml")));
     let again = place.succeed(&["check", "copy.obj", "--repair", "third.obj"]);

@@ -322,6 +322,27 @@ fn the_command_line_says_at_once_that_there_is_no_lamp_and_shows_the_model() {
 }
 
 #[test]
+fn every_output_is_written_in_the_dark() {
+    let place = dark_place();
+    let second = "[[view]]\nname = \"Corner\"\neye = [500, 1000, 500]\ntarget = [1000, 900, 1900]\n";
+    place.put("room.toml", &(place.text("room.toml") + second));
+    place.put("p.csv", "1000,1000,1000,0,1,0\n500,10,500,0,1,0\n");
+    let arguments = ["solve", "room.obj", "--size", "32x20", "--points", "p.csv"];
+    let outputs = ["--irradiance", "i.csv", "--mesh", "m.ply", "--image", "a.exr", "--report", "r.json"];
+    for goal in [&[][..], &["--error", "5%"], &["--budget", "1s"], &["--tour", "tour", "--fps", "1"]] {
+        place.succeed(&[&arguments[..], &outputs[..], goal].concat());
+    }
+    let lines = place.text("i.csv");
+    assert_eq!(lines.lines().count(), 3, "{lines}");
+    assert!(
+        lines.lines().skip(1).all(|line| line.ends_with(",0,0,0,0,0")),
+        "no light, and no error: {lines}"
+    );
+    assert!(place.text("r.json").contains("\"points\""));
+    assert!(place.path("m.ply").exists() && place.path("a.exr").exists() && place.path("tour").exists());
+}
+
+#[test]
 fn ceiling_lamps_are_added_by_an_option() {
     let place = dark_place();
     let arguments = ["solve", "room.obj", "--ceiling-lamps", "--patches", "300", "--report", "r.json"];

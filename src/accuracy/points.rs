@@ -11,7 +11,8 @@
 //!   hardly any noise is left in the difference;
 //! * the patches' own error, K rho e (x) with e that of their mean irradiance: the witness asks at points
 //!   of the very patches that x sees, drawn by what they reflect to it, how far it is from one more
-//!   gathering of B_s; the mean over all points is passed on by later reflections.
+//!   gathering of B_s. Reflections do not multiply it: rows are balanced so that all power arrives, and a
+//!   mean error of the whole scene cannot build up.
 
 use super::audit::Answer;
 use super::sobol::{mix, unit};
@@ -37,13 +38,15 @@ const RAYS: u32 = 1024;
 const MORE_RAYS: u32 = 16 * RAYS;
 /// Points on patches where the patches' own error is looked at: so many in all, and for each free point at
 /// least so many.
-const SENDERS: usize = 1024;
+const SENDERS: usize = 4096;
 const FEWEST_SENDERS: usize = 2;
 /// Rays along the cosine of each of the two gatherings there.
-const SENDER_RAYS: u32 = 512;
+const SENDER_RAYS: u32 = 128;
 /// Beyond so many points rays get fewer, so that the check takes no longer than the gathering.
 const MANY_POINTS: usize = 512;
-const FEWEST_RAYS: u32 = 128;
+const FEWEST_RAYS: u32 = 64;
+/// Of the relative errors of patches this share at either end counts no more than the next.
+const TAIL: f64 = 0.005;
 /// Standard deviations that an error may have beyond its estimate.
 const WIDE: f64 = 2.0;
 /// Points are lifted off their surfaces and radiosities are single precision: no error is told below this
@@ -68,7 +71,7 @@ struct Found {
 
 /// Gathers irradiance at points with unit normals (metres), and estimates the error of each.
 ///
-/// `answer.form_factors` and `computer` belong to `answer.mesh`. The same input gives the same numbers
+/// `computer` belongs to `answer.mesh`. The same input gives the same numbers
 /// whatever the number of threads; `seed` names the random choices.
 pub fn irradiance_at(
     answer: Answer<'_>,
@@ -94,7 +97,7 @@ pub fn irradiance_at(
         .enumerate()
         .map_init(|| computer.scratch(), |scratch, (k, place)| check.gather(k, place, senders, scratch))
         .collect();
-    let patches = PatchError::of(&found, check.passed_on());
+    let patches = PatchError::of(&found);
     points
         .par_iter()
         .zip(&found)
@@ -184,18 +187,6 @@ impl Check<'_> {
         (own > 0.0 && !is_covered).then(|| 0.5 * (a + b) / own - 1.0 - shape)
     }
 
-    /// How many times a mean error of the light counts once reflections have passed it on: 1 / (1 - c rho),
-    /// c the mean row sum, means over the area.
-    fn passed_on(&self) -> f64 {
-        let Answer { mesh, form_factors, reflectance, .. } = self.answer;
-        let mean = |of: &dyn Fn(usize) -> f64| {
-            let sum: f64 = mesh.patches.iter().enumerate().map(|(i, p)| p.area * of(i)).sum();
-            sum / mesh.patches.iter().map(|p| p.area).sum::<f64>().max(f64::MIN_POSITIVE)
-        };
-        let rho = mean(&|i| luminance_weighted(reflectance[i].map(f64::from)));
-        1.0 / (1.0 - mean(&|i| form_factors.row_sum(i)) * rho).max(1e-3)
-    }
-
     fn error(
         &self,
         index: usize,
@@ -243,7 +234,7 @@ impl Check<'_> {
 
 /// The relative error of the light that the patches reflect to the points.
 struct PatchError {
-    /// Its mean over the points, later reflections included, with the standard error of that.
+    /// Its mean over the points, with the standard error of that.
     bias: f64,
     bias_noise: f64,
     /// Standard deviation from point to point, free of the noise of a point's own mean.
@@ -251,14 +242,21 @@ struct PatchError {
 }
 
 impl PatchError {
-    fn of(found: &[Found], passed_on: f64) -> Self {
+    fn of(found: &[Found]) -> Self {
+        // A single place beside a shadow's edge, off by all of its light, would rule the spread of all points.
+        let mut all: Vec<f64> = found.iter().flat_map(|f| f.senders.iter().copied()).collect();
+        all.sort_by(f64::total_cmp);
+        let beyond = (TAIL * all.len() as f64) as usize;
+        let low = all.get(beyond).copied().unwrap_or(0.0);
+        let high = all.iter().rev().nth(beyond).copied().unwrap_or(0.0).max(low);
         let own: Vec<(f64, f64)> = found
             .iter()
             .filter(|f| f.senders.len() > 1)
             .map(|f| {
                 let n = f.senders.len() as f64;
-                let mean = f.senders.iter().sum::<f64>() / n;
-                let squares: f64 = f.senders.iter().map(|d| (d - mean).powi(2)).sum();
+                let senders = || f.senders.iter().map(|d| d.clamp(low, high));
+                let mean = senders().sum::<f64>() / n;
+                let squares: f64 = senders().map(|d| (d - mean).powi(2)).sum();
                 (mean, squares / (n - 1.0) / n)
             })
             .collect();
@@ -270,8 +268,8 @@ impl PatchError {
         let noise = own.iter().map(|o| o.1).sum::<f64>() / n;
         let between = own.iter().map(|o| (o.0 - mean).powi(2)).sum::<f64>() / (n - 1.0).max(1.0);
         Self {
-            bias: passed_on * mean,
-            bias_noise: passed_on * (between.max(noise) / n).sqrt(),
+            bias: mean,
+            bias_noise: (between.max(noise) / n).sqrt(),
             spread: (between - noise).max(0.0).sqrt(),
         }
     }

@@ -255,11 +255,15 @@ impl<'a> Workshop<'a> {
         let coincide = |surfaces: &[Surface], first: usize, second: usize| {
             sides::coincide(positions, &welded, &surfaces[first], &surfaces[second])
         };
+        let tolerance = self.tolerance;
+        let is_pair = |surfaces: &[Surface], first: usize, second: usize| {
+            sides::back_to_back(positions, &welded, tolerance, &surfaces[first], &surfaces[second])
+        };
         for index in 0..self.surfaces.len() {
             let ring = Ring::of(&self.surfaces[index], &welded);
             let other = first_on.get(&ring.turned()).copied();
             let first = *first_on.entry(ring).or_insert(index);
-            if let Some(other) = other.filter(|&o| first == index && coincide(&self.surfaces, o, index)) {
+            if let Some(other) = other.filter(|&o| first == index && is_pair(&self.surfaces, o, index)) {
                 self.share_corners(other, index, &welded);
                 let surface = &self.surfaces[index];
                 let outline = outline_of(self.positions, surface);

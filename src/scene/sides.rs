@@ -7,7 +7,7 @@ use super::doctor::WELD;
 use super::doctor::topology::weld;
 use super::extent::{Extent, Footprint};
 use super::types::{Corner, Surface};
-use crate::geometry::Aabb;
+use crate::geometry::{Aabb, polygon};
 use glam::DVec3;
 use std::collections::HashMap;
 
@@ -64,13 +64,37 @@ pub(super) fn coincide(positions: &[DVec3], welded: &[u32], first: &Surface, sec
     second.corners.iter().all(is_near)
 }
 
+/// Whether two surfaces, of which one ring is the other turned, are the two sides of one sheet: they
+/// [coincide], and do not face each other across a gap, however narrow. `tolerance` is the length within
+/// which corners are welded: half of it is left to the rounding of coordinates in files.
+pub(super) fn back_to_back(
+    positions: &[DVec3],
+    welded: &[u32],
+    tolerance: f64,
+    first: &Surface,
+    second: &Surface,
+) -> bool {
+    const ROUNDING: f64 = 0.5;
+    let outline: Vec<DVec3> = first.corners.iter().map(|c| positions[c.position as usize]).collect();
+    let normal = polygon::area_vector(&outline).normalize_or_zero();
+    let places: HashMap<u32, DVec3> =
+        first.corners.iter().map(|c| welded[c.position as usize]).zip(outline).collect();
+    let ahead = |c: &Corner| {
+        let at = positions[c.position as usize];
+        places.get(&welded[c.position as usize]).map_or(0.0, |place| (at - *place).dot(normal))
+    };
+    let gap = second.corners.iter().map(ahead).sum::<f64>() / second.corners.len().max(1) as f64;
+    gap <= ROUNDING * tolerance && coincide(positions, welded, first, second)
+}
+
 /// For each surface the one that is written for its other side, if there is one.
 pub(super) fn partners(positions: &[DVec3], surfaces: &[Surface]) -> Vec<Option<u32>> {
     let outline =
         |s: &Surface| -> Vec<DVec3> { s.corners.iter().map(|c| positions[c.position as usize]).collect() };
     let footprints: Vec<Footprint> =
         surfaces.iter().map(|s| Footprint::of(&outline(s), s.luminaire.is_some())).collect();
-    let welded = weld(positions, WELD * Extent::of(&footprints).scale);
+    let tolerance = WELD * Extent::of(&footprints).scale;
+    let welded = weld(positions, tolerance);
     let rings: Vec<Ring> = surfaces.iter().map(|s| Ring::of(s, &welded)).collect();
     let mut numbers: HashMap<&Ring, u32> = HashMap::with_capacity(rings.len());
     for (number, ring) in (0..).zip(&rings) {
@@ -80,7 +104,7 @@ pub(super) fn partners(positions: &[DVec3], surfaces: &[Surface]) -> Vec<Option<
         let is_first = numbers[ring] == number;
         let other = numbers.get(&ring.turned()).copied().filter(|_| is_first)?;
         let [own, others] = [number, other].map(|n| &surfaces[n as usize]);
-        coincide(positions, &welded, own, others).then_some(other)
+        back_to_back(positions, &welded, tolerance, own, others).then_some(other)
     };
     (0..).zip(&rings).map(partner).collect()
 }
@@ -105,6 +129,19 @@ mod tests {
         let scene = from_text("t", &format!("{far}{room}"), "", None).unwrap();
         assert_eq!(partners(&scene.positions, &scene.surfaces), [None; 3]);
         assert_eq!(scene.bounds().size().y, 3.0);
+    }
+
+    #[test]
+    fn plates_that_face_each_other_across_a_hair_are_two() {
+        let plates = |gap: f64| {
+            let low = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n";
+            let high = format!("v 0 0 {gap}\nv 1 0 {gap}\nv 1 1 {gap}\nv 0 1 {gap}\n");
+            let scene = from_text("t", &format!("{low}{high}f 1 2 3 4\nf 8 7 6 5\n"), "", None).unwrap();
+            (partners(&scene.positions, &scene.surfaces), scene.bounds().size().z)
+        };
+        assert_eq!(plates(1e-6), (vec![None; 2], 1e-6));
+        assert_eq!(plates(-1e-6), (vec![Some(1), Some(0)], 0.0), "back to back");
+        assert_eq!(plates(1e-8), (vec![Some(1), Some(0)], 0.0), "rounding");
     }
 
     #[test]

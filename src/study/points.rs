@@ -10,13 +10,17 @@ use glam::DVec3;
 /// Irradiance at free points (metres, unit normals) under this lighting, each with its estimated error;
 /// `light` is that of the patches under it.
 ///
-/// Twice as slow as the points' rows alone or more: independent rays check each.
+/// Twice as slow as the points' rows alone or more: independent rays check each. A scene without lamps has no
+/// form factors, and is dark everywhere.
 pub fn points(
     solved: &Solved,
     lighting: &Lighting,
     light: &PatchLight,
     places: &[(DVec3, DVec3)],
 ) -> Vec<PointIrradiance> {
+    if solved.form_factors.is_empty() {
+        return vec![PointIrradiance::default(); places.len()];
+    }
     let display = DisplayMesh::build(&solved.mesh, &solved.scene, solved.plan.is_on(Effect::SmoothSurfaces));
     let shown = shown(&solved.mesh, &display, &light.irradiance);
     let exitance: Vec<[f32; 3]> = solved.mesh.patches.iter().map(|p| patch_emission(p, lighting)).collect();
