@@ -43,7 +43,7 @@ impl Demand {
             let size = size.max(outline.coarsest);
             let cells = (extent.x / size).ceil().max(1.0) * (extent.y / size).ceil().max(1.0);
             let patches = (cells * filled(outline)).max(1.0) * active(*sides);
-            // What is cut by its own measure takes no part in the choice.
+            // What is cut by its own measure has no say in the choice.
             if cells > 1.0 && outline.coarsest == 0.0 {
                 Self { cut: sum.cut + patches, ..sum }
             } else {
