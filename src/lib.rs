@@ -9,6 +9,8 @@ pub mod geometry;
 pub mod scene;
 pub mod mesh;
 pub mod effects;
+pub mod emitters;
+pub mod direct;
 pub mod form_factors;
 pub mod solver;
 pub mod accuracy;
