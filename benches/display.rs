@@ -3,8 +3,9 @@
 use criterion::{Criterion, criterion_group, criterion_main};
 use lumenwalk::display::{DisplayMesh, Exposure, Shading, ToneMap};
 use lumenwalk::mesh::{MeshSettings, PatchMesh, PatchTarget, build};
+use lumenwalk::navigation::Camera;
 use lumenwalk::render::{
-    Camera, ColourSource, FrameInput, Gpu, Picker, StillInput, StillOptions, ViewportRenderer, render_still,
+    ColourSource, FrameInput, Gpu, Picker, StillInput, StillOptions, ViewportRenderer, render_still,
 };
 use lumenwalk::scene::{Scene, SceneSource, UpAxis, load};
 use lumenwalk::solver::LightBases;

@@ -2,13 +2,14 @@
 
 use criterion::{BenchmarkId, Criterion, criterion_group, criterion_main};
 use lumenwalk::effects::{Effect, EffectChoices};
-use lumenwalk::form_factors::{FormFactors, Method, Row};
+use lumenwalk::form_factors::{Method, Row};
 use lumenwalk::mesh::PatchTarget;
 use lumenwalk::scene::{Scene, SceneSource, from_text, load};
-use lumenwalk::session::{
+use lumenwalk::solve::{
     Control, PipelineError, Prepared, SolveSettings, Stage, patch_reflectance, prepare, solve, system,
 };
 use lumenwalk::solver::{GaussSeidel, LightBases};
+use lumenwalk::transport::FormFactors;
 use lumenwalk::watch::Watch;
 use rayon::prelude::*;
 use std::hint::black_box;

@@ -10,24 +10,34 @@ const ROOMS: &[(&str, &str)] = &[
     ("scene", "geometry watch"),
     ("mesh", "scene geometry watch"),
     ("effects", "mesh scene geometry"),
-    ("form_factors", "effects mesh scene geometry watch"),
-    ("solver", "form_factors effects mesh scene geometry watch"),
-    ("accuracy", "solver form_factors effects mesh scene geometry"),
-    ("session", "accuracy solver form_factors effects mesh scene geometry watch"),
-    ("validate", "session solver form_factors effects mesh scene geometry"),
+    ("visibility", "mesh geometry"),
+    ("emitters", "mesh geometry"),
+    ("direct", "emitters visibility mesh geometry watch"),
+    ("form_factors", "visibility effects mesh scene geometry watch"),
+    ("transport", "form_factors mesh scene geometry watch"),
+    ("solver", "transport form_factors effects mesh scene geometry watch"),
+    ("accuracy", "solver transport form_factors visibility effects mesh scene geometry"),
+    ("solve", "solver transport direct emitters form_factors effects mesh scene geometry watch"),
+    ("session", "solve solver transport form_factors effects mesh scene geometry watch"),
+    ("validate", "solve solver transport form_factors effects mesh scene geometry"),
     ("display", "mesh scene geometry"),
-    ("render", "display mesh scene geometry"),
+    ("navigation", "mesh scene geometry"),
+    ("render", "navigation display mesh scene geometry"),
     ("export", ""),
-    ("outputs", "export render display solver form_factors effects mesh scene geometry"),
-    ("study", "export display session accuracy solver form_factors effects mesh scene geometry watch"),
+    ("outputs", "export render navigation display solver form_factors effects mesh scene geometry"),
+    (
+        "study",
+        "export display solve accuracy solver transport form_factors effects mesh scene geometry watch",
+    ),
     (
         "ui",
-        "study outputs export render display session accuracy solver form_factors effects mesh scene geometry",
+        "study outputs export render navigation display session solve accuracy solver transport form_factors \
+         effects mesh scene geometry",
     ),
     (
         "cli",
-        "ui study outputs export render display validate session accuracy solver form_factors effects mesh scene \
-         geometry",
+        "ui study outputs export render navigation display validate solve accuracy solver form_factors \
+         effects mesh scene geometry",
     ),
 ];
 
@@ -282,5 +292,5 @@ fn offences_are_seen_in_every_way_of_writing_them() {
     assert_eq!(offend("session", "use eframe as e;"), "session knows eframe");
     assert_eq!(offend("cli", "crate::ui::run(a); use crate::ui::{UiError, App};"), "cli uses ui::App");
     assert_eq!(offend("scene", "let q = '\"'; crate::cli::run();"), "scene uses cli");
-    assert_eq!(offend("ui", "use egui_wgpu::wgpu; crate::session::solve();"), "");
+    assert_eq!(offend("ui", "use egui_wgpu::wgpu; crate::solve::solve();"), "");
 }

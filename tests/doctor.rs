@@ -4,7 +4,7 @@ use lumenwalk::geometry::polygon;
 use lumenwalk::mesh::PatchTarget;
 use lumenwalk::outputs::{RepairError, save_repaired};
 use lumenwalk::scene::{self, Finding, FindingKind, Mended, Scene, SceneSource, check, illuminance};
-use lumenwalk::session::{self, Control, SolveSettings};
+use lumenwalk::solve::{self, Control, SolveSettings};
 use lumenwalk::solver::PatchLight;
 use std::fs;
 use std::path::Path;
@@ -261,7 +261,7 @@ fn sidecar_images_and_names_come_along() {
 fn solve(scene: Scene) -> (Arc<Scene>, Arc<lumenwalk::mesh::PatchMesh>, PatchLight) {
     let settings = SolveSettings { patches: PatchTarget::Count(900), ..SolveSettings::default() };
     let never = AtomicBool::new(false);
-    let solved = session::solve(Arc::new(scene), &settings, &never, &mut |_| Control::Continue).unwrap();
+    let solved = solve::solve(Arc::new(scene), &settings, &never, &mut |_| Control::Continue).unwrap();
     let light = solved.light(&solved.scene.lighting());
     (solved.scene, solved.mesh, light)
 }

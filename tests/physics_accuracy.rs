@@ -11,7 +11,7 @@ use lumenwalk::form_factors::closed_form::point_to_polygon;
 use lumenwalk::form_factors::{Method, ReceivingPoints};
 use lumenwalk::mesh::{PatchTarget, Side};
 use lumenwalk::scene::{Scene, luminance_weighted};
-use lumenwalk::session::{SolveSettings, Solved};
+use lumenwalk::solve::{SolveSettings, Solved};
 use lumenwalk::solver::patch_emission;
 use lumenwalk::study;
 use std::sync::Arc;
@@ -489,7 +489,7 @@ fn times_are_foreseen_within_a_factor_of_1_3() {
             for (patches, lines) in RUNS {
                 let how = how(patches, lines);
                 let (wall, before) = (std::time::Instant::now(), thread_seconds());
-                let mut prepared = lumenwalk::session::prepare(scene.clone(), &how).expect("meshed");
+                let mut prepared = lumenwalk::solve::prepare(scene.clone(), &how).expect("meshed");
                 let mut trial = study::trial(&prepared, lines);
                 let share = computing_share(wall, before);
                 trial.rows *= share;
@@ -534,7 +534,7 @@ fn an_error_of_one_percent_is_true_and_costs_at_most_twice_the_cheapest() {
         let lighting = scene.lighting();
         let started = std::time::Instant::now();
         let goal = study::Goal::Error(0.01);
-        let observer = &mut |_: study::News<'_>| lumenwalk::session::Control::Continue;
+        let observer = &mut |_: study::News<'_>| lumenwalk::solve::Control::Continue;
         let effects = lumenwalk::effects::EffectChoices::default();
         let reached =
             study::reach(&scene, &lighting, goal, &effects, started, 8.0, observer).expect("solved");
@@ -572,7 +572,7 @@ fn an_error_of_one_percent_is_true_and_costs_at_most_twice_the_cheapest() {
             .filter(|e| e.resolution <= 256)
             .filter_map(|entry| {
                 let mut go_on =
-                    |_: Option<&lumenwalk::session::Progress<'_>>| lumenwalk::session::Control::Continue;
+                    |_: Option<&lumenwalk::solve::Progress<'_>>| lumenwalk::solve::Control::Continue;
                 let row = study::measure(&scene, &lighting, entry, &mut go_on).expect("solved");
                 let told = 100.0 * row.budget.total.error;
                 println!(

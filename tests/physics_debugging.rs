@@ -5,7 +5,7 @@ mod common;
 use common::{Assembled, Model, assembled, close, lines, rows};
 use glam::dvec3;
 use lumenwalk::mesh::{NO_PATCH, PatchTarget};
-use lumenwalk::session::{Control, Run, Stage, Timings};
+use lumenwalk::solve::{Control, Run, Stage, Timings};
 use lumenwalk::solver::{LightBases, PatchLight, residual};
 use std::sync::LazyLock;
 use std::sync::atomic::AtomicBool;
@@ -96,7 +96,7 @@ fn what_is_unshot_closes_the_balance_of_a_picture_on_the_way() {
     let reflectance: Vec<[f32; 3]> = system.reflectance.iter().map(|r| r.map(|b| b as f32)).collect();
     let mut seen: Vec<(Stage, PatchLight, Vec<[f32; 3]>)> = Vec::new();
     let cancel = AtomicBool::new(false);
-    let mut observer = |progress: lumenwalk::session::Progress<'_>| {
+    let mut observer = |progress: lumenwalk::solve::Progress<'_>| {
         if let (Some(picture), Some(unshot)) = (progress.picture(), progress.unshot()) {
             let light = picture.mix(mesh, &lighting, &reflectance);
             seen.push((progress.stage, light, unshot.sum(&lighting, mesh.patches.len())));

@@ -9,7 +9,7 @@ use lumenwalk::display::DisplayMesh;
 use lumenwalk::effects::{Effect, EffectChoices, EffectState, plan};
 use lumenwalk::mesh::{MeshSettings, PatchTarget, build};
 use lumenwalk::scene::Scene;
-use lumenwalk::session::{SolveSettings, Solved, prepare};
+use lumenwalk::solve::{SolveSettings, Solved, prepare};
 use lumenwalk::solver::patch_emission;
 use lumenwalk::study;
 use std::sync::Arc;

@@ -6,7 +6,7 @@ use common::{Model, lines, solved};
 use glam::{DVec3, dvec3};
 use lumenwalk::form_factors::closed_form::point_to_polygon;
 use lumenwalk::mesh::PatchTarget;
-use lumenwalk::session::Solved;
+use lumenwalk::solve::Solved;
 use lumenwalk::study;
 use std::f64::consts::{PI, TAU};
 

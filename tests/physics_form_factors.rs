@@ -9,7 +9,7 @@ use glam::{DVec3, dvec3};
 use lumenwalk::form_factors::{Method, ReceivingPoints, closed_form};
 use lumenwalk::mesh::PatchTarget;
 use lumenwalk::scene::{Scene, Sides};
-use lumenwalk::session::{Prepared, SolveSettings, prepare};
+use lumenwalk::solve::{Prepared, SolveSettings, prepare};
 use rayon::prelude::*;
 use std::sync::Arc;
 

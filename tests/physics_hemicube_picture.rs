@@ -6,7 +6,7 @@ use common::{Assembled, assembled, builtin, lines, mean};
 use glam::{DVec3, dvec3};
 use lumenwalk::mesh::PatchTarget;
 use lumenwalk::scene::illuminance;
-use lumenwalk::session::Solved;
+use lumenwalk::solve::Solved;
 use std::sync::{Arc, LazyLock};
 
 /// The room as it is, and its light; solved once for all tests.

@@ -9,7 +9,7 @@ use lumenwalk::form_factors::Method;
 use lumenwalk::form_factors::closed_form::point_to_polygon;
 use lumenwalk::mesh::PatchTarget;
 use lumenwalk::scene::{Scene, luminance_weighted};
-use lumenwalk::session::{SolveSettings, Solved};
+use lumenwalk::solve::{SolveSettings, Solved};
 use lumenwalk::study;
 use std::sync::Arc;
 

@@ -8,7 +8,7 @@ use lumenwalk::display::DisplayMesh;
 use lumenwalk::effects::EffectChoices;
 use lumenwalk::mesh::PatchTarget;
 use lumenwalk::scene::{Scene, luminance_weighted};
-use lumenwalk::session::Control;
+use lumenwalk::solve::Control;
 use lumenwalk::study;
 use std::f64::consts::PI;
 use std::sync::Arc;

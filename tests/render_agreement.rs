@@ -6,8 +6,9 @@ use lumenwalk::display::{
     ColourMap, DisplayMesh, Exposure, FalseColour, Shading, ToneMap, luminance, meter, srgb_encode,
 };
 use lumenwalk::mesh::{MeshSettings, PatchMesh, PatchTarget, build};
+use lumenwalk::navigation::Camera;
 use lumenwalk::render::{
-    Camera, ColourSource, FrameInput, Gpu, Picker, StillInput, StillOptions, ViewportRenderer, render_still,
+    ColourSource, FrameInput, Gpu, Picker, StillInput, StillOptions, ViewportRenderer, render_still,
 };
 use lumenwalk::scene::{Scene, SceneSource, load};
 use render_room::{Room, camera, light};

@@ -6,7 +6,8 @@ use glam::DVec3;
 use lumenwalk::display::{DisplayMesh, Shading};
 use lumenwalk::geometry::Ray;
 use lumenwalk::mesh::{NO_PATCH, PatchMesh, Side};
-use lumenwalk::render::{Camera, Picker};
+use lumenwalk::navigation::Camera;
+use lumenwalk::render::Picker;
 use render_room::{Room, WHITE, camera, light};
 
 /// World positions and values of the lit corners for a field over patch centres.

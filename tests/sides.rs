@@ -8,7 +8,7 @@ use glam::DVec3;
 use lumenwalk::mesh::PatchTarget;
 use lumenwalk::outputs::save_repaired;
 use lumenwalk::scene::{FindingKind, Scene, SceneSource, Severity, check, from_text, illuminance, load};
-use lumenwalk::session::{SolveSettings, Solved, prepare};
+use lumenwalk::solve::{SolveSettings, Solved, prepare};
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
 use std::sync::Arc;

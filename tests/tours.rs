@@ -2,7 +2,7 @@
 
 use glam::DVec3;
 use lumenwalk::geometry::{Bvh, Ray};
-use lumenwalk::render::{FreeSpace, Tour, person_scale, walking_pace};
+use lumenwalk::navigation::{FreeSpace, Tour, person_scale, walking_pace};
 use lumenwalk::scene::{self, Scene, SceneSource, View};
 
 fn planned(scene: &Scene) -> Tour {

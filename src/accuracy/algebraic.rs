@@ -1,9 +1,9 @@
 //! What further sweeps would still change.
 
 use super::Estimate;
-use crate::form_factors::FormFactors;
 use crate::scene::luminance_weighted;
 use crate::solver::PatchLight;
+use crate::transport::FormFactors;
 use rayon::prelude::*;
 
 /// The solver's own error, relative to the mean irradiance.

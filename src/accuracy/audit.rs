@@ -7,10 +7,10 @@ use super::sobol::{mix, unit};
 use super::spread::{DARKEST, Spread, spread};
 use super::witness::{Receiver, Shown, Witness};
 use super::{AlgebraicError, algebraic_error};
-use crate::form_factors::FormFactors;
 use crate::mesh::PatchMesh;
 use crate::scene::luminance_weighted;
 use crate::solver::PatchLight;
+use crate::transport::FormFactors;
 use rayon::prelude::*;
 use std::time::Instant;
 

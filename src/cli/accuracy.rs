@@ -7,7 +7,7 @@ use super::{budget, solve, text};
 use crate::form_factors::ReceivingPoints;
 use crate::mesh::{self, MeshSettings};
 use crate::scene::Scene;
-use crate::session::{Control, PipelineError};
+use crate::solve::{Control, PipelineError};
 use crate::study::{self, table};
 use clap::Args;
 use std::path::{Path, PathBuf};

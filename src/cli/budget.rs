@@ -7,7 +7,7 @@ use crate::export::{
     AccuracyReport, AreaReport, AttemptReport, DominantReport, ErrorReport, GoalReport, RangeReport,
 };
 use crate::scene::{LUMINOUS_EFFICACY, Lighting, Scene};
-use crate::session::{Control, Solved, Timings};
+use crate::solve::{Control, Solved, Timings};
 use crate::study::{self, Goal, News, Reached};
 use std::sync::Arc;
 use std::time::Instant;

@@ -3,7 +3,7 @@ use crate::export::{ExportError, PointsError};
 use crate::mesh::MeshError;
 use crate::outputs::RepairError;
 use crate::scene::SceneError;
-use crate::session::PipelineError;
+use crate::solve::PipelineError;
 use std::process::ExitCode;
 
 /// Why a command ends early.

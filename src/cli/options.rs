@@ -3,7 +3,7 @@ use crate::effects::{Effect, EffectChoices};
 use crate::form_factors::{Method, ReceivingPoints};
 use crate::mesh::PatchTarget;
 use crate::scene::{FrameChoice, LengthUnit, SceneSource, UpAxis};
-use crate::session::SolveSettings;
+use crate::solve::SolveSettings;
 use clap::Args;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use glam::DVec3;

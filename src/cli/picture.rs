@@ -5,10 +5,11 @@ use crate::display::{
 };
 use crate::effects::Effect;
 use crate::export::ExportError;
+use crate::navigation::Camera;
 use crate::outputs::{StillKind, StillLight, save_lit_mesh, save_still};
-use crate::render::{Camera, Picker, Still, StillOptions, render_still};
+use crate::render::{Picker, Still, StillOptions, render_still};
 use crate::scene::{Lighting, View};
-use crate::session::Solved;
+use crate::solve::Solved;
 use crate::solver::PatchLight;
 use glam::DVec2;
 use std::path::Path;

@@ -3,7 +3,7 @@ use super::lamps::{self, LampOptions};
 use super::options::{EffectOptions, FrameOptions, PatchOptions};
 use super::{solve, text};
 use crate::effects::{EffectPlan, EffectState};
-use crate::session::{self, SolveSettings};
+use crate::solve::{SolveSettings, prepare};
 use clap::Args;
 
 /// Tell which effects a scene calls for, why, and what they cost
@@ -28,7 +28,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
     lamps::tell_darkness(&scene, &scene.lighting());
     let patches = arguments.patches.target(scene.unit);
     let settings = SolveSettings { patches, effects, ..SolveSettings::default() };
-    let prepared = session::prepare(scene, &settings)?;
+    let prepared = prepare(scene, &settings)?;
     let excess = prepared.mesh.statistics.excess().map_or(String::new(), |excess| excess + "\n");
     let counts = format!(
         "{}: {}, {}\n{excess}\n",

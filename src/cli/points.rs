@@ -3,7 +3,7 @@
 use super::text;
 use crate::export::{ExportError, PointResult, PointsReport, SurfacePoint, write_irradiance};
 use crate::scene::{LUMINOUS_EFFICACY, Lighting, illuminance};
-use crate::session::Solved;
+use crate::solve::Solved;
 use crate::solver::PatchLight;
 use crate::study::{self, PointErrors};
 use glam::DVec3;

@@ -1,5 +1,5 @@
 use super::text;
-use crate::session::{Progress, Stage};
+use crate::solve::{Progress, Stage};
 use crate::solver::SweepReport;
 use std::io::{self, IsTerminal as _, Write as _};
 use std::time::{Duration, Instant};

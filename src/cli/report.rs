@@ -5,7 +5,7 @@ use crate::export::{
 };
 use crate::mesh::{PatchMesh, PatchTarget};
 use crate::scene::{Lighting, Scene, Severity};
-use crate::session::{SolveSettings, Solved};
+use crate::solve::{SolveSettings, Solved};
 use crate::solver::{PatchLight, patch_emission};
 
 /// Seconds that the pipeline does not measure itself.

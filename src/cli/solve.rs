@@ -14,7 +14,7 @@ use crate::effects::Effect;
 use crate::export::{self, atomic, read_points};
 use crate::outputs::{LitScene, StillKind, save_patch_table};
 use crate::scene::{self, Lighting, Scene, Severity, View};
-use crate::session::{self, Control, Progress, SolveSettings, Solved};
+use crate::solve::{self, Control, Progress, SolveSettings, Solved};
 use crate::solver::PatchLight;
 use crate::study::Goal;
 use clap::{ArgGroup, Args};
@@ -282,7 +282,7 @@ pub(super) fn solve(
     lighting: &Lighting,
 ) -> Result<(Solved, PatchLight), Failure> {
     if scene.luminaires.is_empty() {
-        let solved = session::without_light(scene, settings)?;
+        let solved = solve::without_light(scene, settings)?;
         let light = solved.light(lighting);
         return Ok((solved, light));
     }
@@ -292,7 +292,7 @@ pub(super) fn solve(
         Control::Continue
     };
     // An interrupt ends the process itself; nothing else cancels.
-    let solved = session::solve(scene, settings, &AtomicBool::new(false), observe)?;
+    let solved = solve::solve(scene, settings, &AtomicBool::new(false), observe)?;
     let light = solved.light(lighting);
     Ok((solved, light))
 }

@@ -1,11 +1,11 @@
 //! The hemicube of 1985: patches projected onto five faces, an item buffer with depth, and a table
 //! of delta form factors.
 
-use super::occluders::{THICKNESS, Viewer};
-use super::rays::without_dark;
+use super::ray_rows::without_dark;
 use super::row::RowBuffer;
 use crate::geometry::Frame;
 use crate::mesh::{Backing, NO_PATCH, PatchMesh};
+use crate::visibility::{THICKNESS, Viewer};
 use glam::DVec3;
 
 /// The top and four half faces.

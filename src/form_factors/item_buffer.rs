@@ -92,9 +92,10 @@ impl ItemBuffer {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::form_factors::{RowBuffer, Viewer};
+    use crate::form_factors::RowBuffer;
     use crate::mesh::{MeshSettings, PatchTarget, build};
     use crate::scene::{SceneSource, load};
+    use crate::visibility::Viewer;
 
     fn mesh() -> PatchMesh {
         let scene = load(&SceneSource::Builtin("cornell".to_owned())).expect("embedded");

@@ -17,10 +17,10 @@
 //! coordinates times it are linear in x. An edge seen from the receiver has cot(theta) =
 //! p cos(phi) + q sin(phi), with p and q from the cross product of its ends: no division a crossing.
 
-use super::occluders::{Cell, Occluders, Viewer};
 use super::row::RowBuffer;
 use crate::geometry::Frame;
 use crate::mesh::{NO_PATCH, Side};
+use crate::visibility::{Cell, Occluders, Viewer};
 use glam::DVec3;
 use std::f64::consts::TAU;
 

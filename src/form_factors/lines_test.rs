@@ -1,6 +1,5 @@
-use super::super::culling::Culling;
-use super::super::occluders::Occluder;
 use super::*;
+use crate::visibility::{Culling, Occluder};
 
 /// Quadrilaterals of one patch each, on their fronts, in a scene of 1 m.
 fn occluders(quads: &[[DVec3; 4]]) -> Occluders {

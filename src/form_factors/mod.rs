@@ -1,21 +1,14 @@
 //! Rows of form factors: which fraction of the power that leaves patch i arrives at patch j.
 //!
 //! A row is gathered at a patch's centre or at several of its points by one of three methods (`lines`,
-//! `hemicube`, `rays`).
-//! [`FormFactors::assemble`] then makes the rows reciprocal, replaces what one centre point gets
-//! wrong about close neighbours by closed forms, and closes the power balance.
+//! `hemicube`, `ray_rows`). Rows are as sampled; [`crate::transport`] makes a balanced operator of them.
 
 pub mod closed_form;
 mod convex;
-mod culling;
 mod hemicube;
 mod item_buffer;
 mod lines;
-mod matrix;
-mod near;
-mod occluders;
-mod quality;
-mod rays;
+mod ray_rows;
 mod receiving;
 mod row;
 mod rows;
@@ -23,10 +16,6 @@ mod rows;
 pub use hemicube::{Hemicube, HemicubeSampler};
 pub use item_buffer::{ItemBuffer, ItemCell};
 pub use lines::{Fan, LineSampler, Viewpoint};
-pub use matrix::{AssembleReport, FormFactors};
-pub use occluders::{Occluders, Viewer};
-pub use quality::RowQuality;
-pub use rays::RayScene;
 pub use receiving::ReceivingPoints;
 pub use row::{Row, RowBuffer};
 pub use rows::{RowComputer, RowScratch, Sampling};

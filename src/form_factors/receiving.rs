@@ -36,7 +36,7 @@ impl ReceivingPoints {
     }
 
     /// Points of a quadrilateral.
-    pub(super) fn count(self) -> u32 {
+    pub(crate) fn count(self) -> u32 {
         match self {
             Self::Auto | Self::One => 1,
             Self::Four => 4,

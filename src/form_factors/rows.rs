@@ -3,13 +3,11 @@
 use super::closed_form::point_to_polygon;
 use super::convex::{ConvexRows, ConvexScratch};
 use super::receiving::{ReceivingPoints, points_of};
-use super::{
-    Fan, Hemicube, HemicubeSampler, LineSampler, Method, Occluders, RayScene, Row, RowBuffer, Viewer,
-    Viewpoint,
-};
+use super::{Fan, Hemicube, HemicubeSampler, LineSampler, Method, Row, RowBuffer, Viewpoint, ray_rows};
 use crate::effects;
 use crate::geometry::Frame;
 use crate::mesh::{Patch, PatchMesh, Side};
+use crate::visibility::{Occluders, RayScene, Viewer};
 use glam::{DVec2, DVec3};
 use std::sync::Arc;
 
@@ -175,7 +173,7 @@ impl RowComputer {
     }
 
     /// Whether a row misses nothing that lies between two samples: lines find what is small.
-    pub(super) fn misses_nothing(&self) -> bool {
+    pub(crate) fn misses_nothing(&self) -> bool {
         matches!(self.sampler, Sampler::Lines(..))
     }
 
@@ -335,7 +333,7 @@ impl RowComputer {
 
     /// The receiving points of a patch without those that are `covered` (a bit each), with their shares
     /// of what is left; empty if none is.
-    pub(super) fn open_points(&self, patch: u32, at: ReceivingPoints, covered: u32) -> Vec<(DVec3, f64)> {
+    pub(crate) fn open_points(&self, patch: u32, at: ReceivingPoints, covered: u32) -> Vec<(DVec3, f64)> {
         let mut points = points_of(&self.mesh, &self.mesh.patches[patch as usize], at);
         if covered != 0 {
             let mut bits = covered;
@@ -421,7 +419,7 @@ impl RowComputer {
                     Purpose::OneOf(points) => count.div_ceil(points.count()),
                     Purpose::Centre | Purpose::Lamp | Purpose::FreePoint => *count,
                 };
-                self.rays.gather(count, point, &frame, turn, viewer, &mut scratch.row);
+                ray_rows::gather(&self.rays, count, point, (&frame, turn), viewer, &mut scratch.row);
             }
         }
     }

@@ -1,5 +1,5 @@
-use super::Camera;
 use crate::display::{Exposure, FalseColour, ToneMap};
+use crate::navigation::Camera;
 
 /// What colours the surfaces.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

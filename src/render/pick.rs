@@ -1,6 +1,6 @@
-use super::Camera;
 use crate::geometry::{Bvh, Ray};
 use crate::mesh::{NO_PATCH, PatchMesh, Side};
+use crate::navigation::Camera;
 use glam::{DVec2, DVec3};
 
 /// What a ray meets.

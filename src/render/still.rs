@@ -1,6 +1,7 @@
-use super::{Camera, Pick, Picker};
+use super::{Pick, Picker};
 use crate::display::{DisplayMesh, Exposure, ToneMap, srgb_encode};
 use crate::mesh::NO_PATCH;
+use crate::navigation::Camera;
 use crate::scene::Texture;
 use glam::{DVec2, Vec2, Vec3};
 use rayon::prelude::*;

@@ -1,8 +1,8 @@
 //! What the user has asked of the worker.
 
-use super::pipeline::SolveSettings;
 use super::worker::MaterialEdit;
 use crate::scene::{PlacedLamp, Scene, SceneSource};
+use crate::solve::SolveSettings;
 use std::sync::{Arc, Weak};
 
 /// All that the user has asked for; the newest state wins, and what was refused is wanted no more.

@@ -1,16 +1,16 @@
-use super::effect_costs;
-use super::error::Failure;
-use super::pipeline::{
-    Control, Prepared, Progress, Run, SolveSettings, Solved, Stage, Timings, patch_reflectance, system,
-};
+use super::failure::Failure;
 use super::recompute::{Recompute, same_geometry};
 use super::threads;
 use super::wanted::{Edits, Wanted};
 use crate::effects::EffectPlan;
-use crate::form_factors::{AssembleReport, FormFactors, Row, RowComputer};
+use crate::form_factors::{Row, RowComputer};
 use crate::mesh::{LightSearch, PatchMesh};
 use crate::scene::{PlacedLamp, Scene, SceneSource};
+use crate::solve::{
+    self, Control, Prepared, Progress, Run, SolveSettings, Solved, Stage, Timings, patch_reflectance, system,
+};
 use crate::solver::{LightBases, SweepReport};
+use crate::transport::{AssembleReport, FormFactors};
 use rayon::ThreadPool;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -405,7 +405,7 @@ impl Worker<'_> {
             self.with_run(|run| run.sweeps(&prepared, &form_factors, &system, start.as_deref(), tolerance))?;
         todo.sweeps = sweeps.len();
         if todo.rows > 0 {
-            let plan = effect_costs::measured(&prepared, system.lamps, &self.snapshot.timings);
+            let plan = solve::measured(&prepared, system.lamps, &self.snapshot.timings);
             self.snapshot.plan = Some(Arc::new(plan));
         }
         let bases = Arc::new(bases);

@@ -5,8 +5,8 @@
 //! (Pᵀ A (I - rho F) P) e = Pᵀ A r removes it at once; r is the residual.
 
 use super::System;
-use crate::form_factors::FormFactors;
 use crate::mesh::PatchMesh;
+use crate::transport::FormFactors;
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 use std::collections::BTreeMap;

@@ -1,7 +1,7 @@
 use super::balance::{Aggregates, PowerBalance};
 use super::{LightBases, SweepReport, System};
-use crate::form_factors::FormFactors;
 use crate::mesh::PatchMesh;
+use crate::transport::FormFactors;
 use rayon::prelude::*;
 
 /// Columns handled together: the rows are read once for all of them.

@@ -1,5 +1,5 @@
 use super::PatchLight;
-use crate::form_factors::FormFactors;
+use crate::transport::FormFactors;
 use rayon::prelude::*;
 
 /// The residual E + rho F B - B of a light, W/m² per band: what one more sweep would add to each

@@ -3,7 +3,7 @@ use crate::display::{DisplayMesh, Shading};
 use crate::effects::Effect;
 use crate::mesh::{PatchMesh, Side};
 use crate::scene::Lighting;
-use crate::session::Solved;
+use crate::solve::Solved;
 use crate::solver::patch_emission;
 
 /// The irradiance that the smoothly shaded picture shows, from one value a patch, W/m² per band.

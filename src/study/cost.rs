@@ -3,7 +3,7 @@
 use super::trial::{Pace, Trial};
 use crate::accuracy::ErrorBudget;
 use crate::form_factors::RowComputer;
-use crate::session::{Prepared, Solved, Timings};
+use crate::solve::{Prepared, Solved, Timings};
 
 /// How fine a solve is: what its cost and its error depend on.
 #[derive(Clone, Copy, Debug, PartialEq)]

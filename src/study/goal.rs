@@ -11,9 +11,7 @@ use crate::effects::EffectChoices;
 use crate::form_factors::{Method, ReceivingPoints};
 use crate::mesh::{PatchMesh, PatchTarget, Refinement};
 use crate::scene::{Lighting, Scene};
-use crate::session::{
-    Control, PipelineError, Progress, SolveSettings, Solved, available_bytes, effect_costs,
-};
+use crate::solve::{Control, PipelineError, Progress, SolveSettings, Solved, available_bytes, effect_costs};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
@@ -412,7 +410,7 @@ fn unfinished(
 mod tests {
     use super::*;
     use crate::accuracy::Estimate;
-    use crate::session::Timings;
+    use crate::solve::Timings;
 
     const LIMITS: Limits = Limits { fewest: 9000.0, most: 1e6, gigabytes: 8.0 };
 

@@ -3,7 +3,7 @@ use crate::accuracy::{Answer, PointIrradiance, irradiance_at};
 use crate::display::DisplayMesh;
 use crate::effects::Effect;
 use crate::scene::{Lighting, luminance_weighted};
-use crate::session::Solved;
+use crate::solve::Solved;
 use crate::solver::{PatchLight, patch_emission};
 use glam::DVec3;
 

@@ -6,7 +6,7 @@ use crate::accuracy::AuditSettings;
 use crate::form_factors::{Method, ReceivingPoints};
 use crate::mesh::PatchTarget;
 use crate::scene::{Lighting, Scene};
-use crate::session::{Control, PipelineError, Progress, SolveSettings, solve};
+use crate::solve::{Control, PipelineError, Progress, SolveSettings, solve};
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 use std::time::Instant;

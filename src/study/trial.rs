@@ -1,8 +1,9 @@
 //! Some rows tried out, spread over the scene: what all of them will cost.
 
 use crate::effects::Effect;
-use crate::form_factors::{FormFactors, Method, ReceivingPoints, RowComputer, Sampling};
-use crate::session::{Prepared, Solved};
+use crate::form_factors::{Method, ReceivingPoints, RowComputer, Sampling};
+use crate::solve::{Prepared, Solved};
+use crate::transport::FormFactors;
 use rayon::prelude::*;
 use std::time::Instant;
 

@@ -3,14 +3,14 @@
 use super::cost::CostModel;
 use super::goal::News;
 use super::trial::trial;
-use crate::form_factors::{AssembleReport, FormFactors};
 use crate::mesh::{LightSearch, Survey};
 use crate::scene::Scene;
-use crate::session::{
+use crate::solve::{
     Control, PipelineError, Prepared, Progress, Run, SolveSettings, Solved, Stage, Timings,
     patch_reflectance, system,
 };
 use crate::solver::LightBases;
+use crate::transport::{AssembleReport, FormFactors};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{RecvTimeoutError, channel};

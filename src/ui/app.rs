@@ -26,7 +26,7 @@ use super::viewport::Viewport;
 use super::worker::Worker;
 use super::{input, theme};
 use crate::display::FalseColour;
-use crate::render::Tour;
+use crate::navigation::Tour;
 use crate::scene::{Lighting, Scene, SceneSource, View};
 use crate::session::Snapshot;
 use std::sync::{Arc, Weak};
@@ -38,7 +38,7 @@ const STORAGE_KEY: &str = "lumenwalk";
 #[derive(Default)]
 pub(super) struct Seen {
     pub(super) patches: Vec<u32>,
-    pub(super) from: Option<(crate::render::Camera, u64)>,
+    pub(super) from: Option<(crate::navigation::Camera, u64)>,
 }
 
 /// A scene that was asked for, and what the worker had published then.
@@ -274,10 +274,10 @@ impl App {
     }
 
     /// Where the camera stands, once a scene is shown.
-    pub fn camera(&self) -> Option<crate::render::Camera> {
+    pub fn camera(&self) -> Option<crate::navigation::Camera> {
         let control = self.camera.as_ref()?;
         let aspect = f64::from(self.view_size_px[0]) / f64::from(self.view_size_px[1]);
-        Some(crate::render::Camera {
+        Some(crate::navigation::Camera {
             eye: control.pose().eye,
             forward: control.forward(),
             up: control.up(),

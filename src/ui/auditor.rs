@@ -7,7 +7,8 @@ use crate::display::NO_VALUE;
 use crate::form_factors::Method;
 use crate::mesh::{PatchMesh, PatchTarget, Refinement};
 use crate::scene::{LUMINOUS_EFFICACY, Lighting, Scene};
-use crate::session::{Snapshot, SolveSettings, Solved, Stage};
+use crate::session::Snapshot;
+use crate::solve::{SolveSettings, Solved, Stage};
 use crate::solver::{LightBases, PatchLight};
 use crate::study::{self, CostModel, Fineness, Goal, Limits, Measured};
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -384,7 +385,7 @@ fn lines_of(settings: &SolveSettings) -> Option<u32> {
 pub(super) mod tests {
     use super::*;
     use crate::accuracy::Estimate;
-    use crate::session::{Control, Timings, solve};
+    use crate::solve::{Control, Timings, solve};
 
     pub(in crate::ui) fn budget(form_factors: f64, mesh: f64) -> ErrorBudget {
         let estimate = |error: f64| Estimate { error, low: 0.9 * error, high: 1.1 * error };

@@ -3,8 +3,7 @@
 //! Pure arithmetic with the time step as an argument. Velocities follow the wish exponentially and
 //! are integrated in closed form, so that the way covered does not depend on the frame rate.
 
-use super::collision::{Body, Footing, Obstacles};
-use crate::render::walking_pace;
+use crate::navigation::{Body, Footing, Obstacles, walking_pace};
 use crate::scene::View;
 use glam::{DQuat, DVec3};
 use serde::{Deserialize, Serialize};
@@ -377,7 +376,7 @@ impl CameraControl {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::render::WALK_SPEED;
+    use crate::navigation::WALK_SPEED;
 
     fn view() -> View {
         View {

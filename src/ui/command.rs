@@ -6,7 +6,7 @@ use super::camera_control::Motion;
 use super::doctor;
 use super::state::DisplaySettings;
 use crate::scene::{LampState, LengthUnit, SceneSource, UpAxis};
-use crate::session::SolveSettings;
+use crate::solve::SolveSettings;
 
 /// What is saved to a file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

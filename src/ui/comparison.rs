@@ -7,7 +7,7 @@ use super::reclaim::Reclaim;
 use super::state::{DisplaySettings, Edits, Quantity};
 use super::theme;
 use crate::scene::{Lighting, Scene};
-use crate::session::patch_reflectance;
+use crate::solve::patch_reflectance;
 use crate::solver::{LightBases, PatchLight};
 use egui::{Align2, Color32, CursorIcon, FontId, Key, Pos2, Rect, Sense, Vec2};
 use std::sync::Arc;

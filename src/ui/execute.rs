@@ -13,7 +13,7 @@ use super::state::{DisplaySettings, Edits, Quantity};
 use super::units;
 use crate::display::{Exposure, white_balance};
 use crate::scene::{LampState, Lighting, SceneSource, View};
-use crate::session::SolveSettings;
+use crate::solve::SolveSettings;
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::Instant;

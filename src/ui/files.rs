@@ -6,10 +6,11 @@ use super::picture::Prepared;
 use super::state::Edits;
 use crate::display::{Exposure, Shading, ToneMap};
 use crate::export::{ExportError, write_png};
+use crate::navigation::Camera;
 use crate::outputs::{
     LitScene, StillKind, StillLight, save_lit_mesh, save_patch_table, save_repaired, save_still,
 };
-use crate::render::{Camera, StillOptions, render_still};
+use crate::render::{StillOptions, render_still};
 use crate::scene::{
     LengthUnit, Lighting, Scene, SceneSource, UpAxis, View, sidecar_path, write_frame, write_sidecar,
 };

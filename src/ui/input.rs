@@ -5,7 +5,7 @@ use super::command::{Command, SaveKind};
 use super::doctor::Ask;
 use super::panels::{Commands, Model};
 use super::state::{Quantity, ShadingMode};
-use crate::session::Stage;
+use crate::solve::Stage;
 use egui::{Context, Key, Modifiers};
 
 /// Steps of the exposure keys, stops.

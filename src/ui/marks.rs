@@ -4,7 +4,7 @@ use super::doctor::{Spot, spot, spots};
 use super::picture::Prepared;
 use super::theme;
 use crate::geometry::{Frame, Ray, polygon};
-use crate::render::Camera;
+use crate::navigation::Camera;
 use crate::scene::{Finding, Severity};
 use egui::{Color32, Painter, Pos2, Rect, Stroke};
 use glam::{DVec2, DVec3};

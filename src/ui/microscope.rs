@@ -5,11 +5,12 @@ use super::background::Background;
 use super::picture::Prepared;
 use super::state::Quantity;
 use crate::display::{NO_VALUE, luminance};
-use crate::form_factors::{FormFactors, ItemBuffer, RowComputer, RowQuality};
+use crate::form_factors::{ItemBuffer, RowComputer};
 use crate::mesh::Contact;
 use crate::scene::{LUMINOUS_EFFICACY, Lighting, illuminance, luminance_weighted};
 use crate::session::Snapshot;
 use crate::solver::{LightBases, PatchLight, residual};
+use crate::transport::{FormFactors, RowQuality};
 use std::sync::{Arc, Weak};
 
 /// Cells along an edge of the hemicube that is shown.

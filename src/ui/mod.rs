@@ -9,7 +9,6 @@ mod auditor;
 mod background;
 mod banners;
 mod camera_control;
-mod collision;
 mod colour;
 mod command;
 mod comparison;
@@ -52,7 +51,8 @@ pub use state::{DisplaySettings, Edits, Preferences, Quantity, ShadingMode, UiSt
 pub use worker::Worker;
 
 use crate::scene::SceneSource;
-use crate::session::{Session, SolveSettings};
+use crate::session::Session;
+use crate::solve::SolveSettings;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};

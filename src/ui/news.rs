@@ -8,7 +8,8 @@ use super::panels;
 use super::path_dialog::PathDialog;
 use super::state::Quantity;
 use crate::scene::{FrameChoice, Scene, SceneSource};
-use crate::session::{Snapshot, Stage};
+use crate::session::Snapshot;
+use crate::solve::Stage;
 use std::sync::Arc;
 
 impl App {

@@ -3,7 +3,7 @@
 use super::picture::Prepared;
 use super::theme;
 use crate::geometry::Ray;
-use crate::render::Camera;
+use crate::navigation::Camera;
 use egui::{Color32, Pos2, Rect, Stroke};
 use glam::DVec3;
 

@@ -4,7 +4,6 @@
 //! screen, whole. Light is one sum over light bases: on a helper thread where the solver brings new ones,
 //! at once where a lamp is switched.
 
-use super::collision::Obstacles;
 use super::comparison::Kept;
 use super::exposure::Metered;
 use super::lit::{LightMaker, Lit, Source};
@@ -18,6 +17,7 @@ use crate::display::{
 use crate::effects::Effect;
 use crate::geometry::Aabb;
 use crate::mesh::{Patch, PatchMesh, Side};
+use crate::navigation::Obstacles;
 use crate::render::{MeshUploader, Picker, UploadError, UploadedMesh};
 use crate::scene::{Lighting, Scene, luminance_weighted};
 use crate::session::Snapshot;
@@ -402,7 +402,7 @@ mod tests {
     use super::*;
     use crate::effects::EffectChoices;
     use crate::scene::{SceneSource, from_text, load};
-    use crate::session::{Control, SolveSettings, Stage, prepare, solve};
+    use crate::solve::{Control, SolveSettings, Stage, prepare, solve};
     use std::sync::atomic::AtomicBool;
     use std::time::{Duration, Instant};
 

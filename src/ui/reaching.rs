@@ -2,7 +2,7 @@
 
 use super::auditor::Auditor;
 use crate::accuracy::ErrorBudget;
-use crate::session::SolveSettings;
+use crate::solve::SolveSettings;
 use crate::study::{self, Goal};
 use std::time::Instant;
 
@@ -105,7 +105,7 @@ mod tests {
     use super::*;
     use crate::form_factors::ReceivingPoints;
     use crate::mesh::PatchTarget;
-    use crate::session::Timings;
+    use crate::solve::Timings;
     use crate::study::Measured;
 
     #[test]

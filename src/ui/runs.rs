@@ -3,7 +3,8 @@
 use crate::accuracy::ErrorBudget;
 use crate::mesh::Patch;
 use crate::scene::{Lighting, SceneSource, luminance_weighted};
-use crate::session::{Snapshot, SolveSettings, Stage};
+use crate::session::Snapshot;
+use crate::solve::{SolveSettings, Stage};
 use crate::solver::{LightBases, PatchLight};
 use std::sync::Arc;
 
@@ -210,7 +211,7 @@ mod tests {
     use super::*;
     use crate::accuracy::Estimate;
     use crate::mesh::PatchTarget;
-    use crate::session::{Control, Progress, solve};
+    use crate::solve::{Control, Progress, solve};
     use std::sync::atomic::AtomicBool;
 
     /// Follows a real solve, and compares the error told at each step with the true one.

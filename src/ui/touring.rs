@@ -1,7 +1,7 @@
 //! A tour through the bookmarks, played in the window.
 
 use super::app::App;
-use crate::render::{FreeSpace, Tour, person_scale, walking_pace};
+use crate::navigation::{FreeSpace, Tour, person_scale, walking_pace};
 use crate::scene::View;
 use std::sync::Arc;
 

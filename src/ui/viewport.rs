@@ -3,7 +3,8 @@
 use super::frame_clock::DrawTime;
 use super::recovery::{Trouble, Troubles};
 use super::state::DisplaySettings;
-use crate::render::{Camera, FrameInput, MeshUploader, ViewportRenderer};
+use crate::navigation::Camera;
+use crate::render::{FrameInput, MeshUploader, ViewportRenderer};
 use eframe::egui_wgpu::{self, CallbackResources, RenderState};
 use glam::DVec3;
 

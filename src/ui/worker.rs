@@ -1,7 +1,8 @@
 //! What the window asks of the solver's thread, so that tests can count it.
 
 use crate::scene::{PlacedLamp, Scene, SceneSource};
-use crate::session::{MaterialEdit, Session, Snapshot, SolveSettings};
+use crate::session::{MaterialEdit, Session, Snapshot};
+use crate::solve::SolveSettings;
 use std::sync::Arc;
 
 /// The solver as the window sees it: requests in, snapshots out, no call blocks.

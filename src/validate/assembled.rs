@@ -1,11 +1,11 @@
 use super::CaseError;
-use crate::form_factors::{AssembleReport, FormFactors};
 use crate::mesh::Patch;
 use crate::scene::{Lighting, Scene};
-use crate::session::{
+use crate::solve::{
     Control, Prepared, Progress, Run, SolveSettings, Timings, patch_reflectance, prepare, system,
 };
 use crate::solver::{LightBases, SweepReport, System};
+use crate::transport::{AssembleReport, FormFactors};
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
@@ -143,8 +143,8 @@ impl Assembled {
 
 /// A part of the pipeline that nobody watches or cancels.
 fn run<T>(
-    part: impl FnOnce(&mut Run<'_>) -> Result<T, crate::session::PipelineError>,
-) -> Result<T, crate::session::PipelineError> {
+    part: impl FnOnce(&mut Run<'_>) -> Result<T, crate::solve::PipelineError>,
+) -> Result<T, crate::solve::PipelineError> {
     let cancel = AtomicBool::new(false);
     let mut observer = |_: Progress<'_>| Control::Continue;
     part(&mut Run::new(&mut observer, &cancel, Timings::default()))

@@ -1,7 +1,7 @@
 use crate::form_factors::Method;
 use crate::mesh::PatchTarget;
 use crate::scene::SceneError;
-use crate::session::{PipelineError, SolveSettings};
+use crate::solve::{PipelineError, SolveSettings};
 
 /// What a case is about; the order is that of the table.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]

@@ -26,8 +26,7 @@ fn scenes() -> Scenes {
 fn assemble(make: fn() -> Model, patches: usize, way: Way) -> Result<Assembled, CaseError> {
     let settings = way.settings(PatchTarget::Count(patches));
     // The laws hold at any resolution.
-    let settings =
-        crate::session::SolveSettings { resolution: settings.resolution.map(|r| r / 4), ..settings };
+    let settings = crate::solve::SolveSettings { resolution: settings.resolution.map(|r| r / 4), ..settings };
     Assembled::new(Arc::new(make().read(None)?), &settings)
 }
 

@@ -4,7 +4,7 @@ use super::scenes::{lit_room_with_blocks, room_with_blocks};
 use super::{Assembled, Case, CaseError, Group, Model, Way};
 use crate::form_factors::closed_form::point_to_polygon;
 use crate::mesh::PatchTarget;
-use crate::session::{Control, solve};
+use crate::solve::{Control, solve};
 use crate::solver::System;
 use glam::{DVec3, dvec3};
 use std::sync::Arc;

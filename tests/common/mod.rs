@@ -5,7 +5,7 @@ use lumenwalk::effects::EffectChoices;
 use lumenwalk::form_factors::{Method, Row};
 use lumenwalk::mesh::{Patch, PatchTarget};
 use lumenwalk::scene::{Scene, SceneSource, load};
-use lumenwalk::session::{Control, Prepared, SolveSettings, Solved, solve};
+use lumenwalk::solve::{Control, Prepared, SolveSettings, Solved, solve};
 use lumenwalk::solver::{GaussSeidel, LightBases, SweepReport, System};
 use lumenwalk::validate;
 use rayon::prelude::*;

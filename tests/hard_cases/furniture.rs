@@ -3,7 +3,7 @@
 use crate::common::{Model, builtin, lines, solved};
 use glam::{DVec3, dvec3};
 use lumenwalk::mesh::PatchTarget;
-use lumenwalk::session::{SolveSettings, Solved};
+use lumenwalk::solve::{SolveSettings, Solved};
 
 /// A room with a table under its lamp, and bricks in a corner that have more faces than patches are
 /// asked for.

@@ -4,7 +4,7 @@ use crate::common::{Assembled, Model, assembled, settings};
 use lumenwalk::form_factors::Method;
 use lumenwalk::mesh::PatchTarget;
 use lumenwalk::scene::Scene;
-use lumenwalk::session::SolveSettings;
+use lumenwalk::solve::SolveSettings;
 use lumenwalk::solver::{LightBases, SweepReport, System};
 use std::sync::Arc;
 

@@ -2,7 +2,8 @@
 
 use lumenwalk::mesh::PatchTarget;
 use lumenwalk::scene::SceneSource;
-use lumenwalk::session::{MaterialEdit, Session, Snapshot, SolveSettings, Stage};
+use lumenwalk::session::{MaterialEdit, Session, Snapshot};
+use lumenwalk::solve::{SolveSettings, Stage};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
 use std::sync::{Arc, Mutex};

@@ -5,7 +5,7 @@
 
 use glam::{DVec2, DVec3};
 use lumenwalk::mesh::{MeshSettings, PatchMesh, PatchTarget, build};
-use lumenwalk::render::Camera;
+use lumenwalk::navigation::Camera;
 use lumenwalk::scene::{
     Corner, LampState, LengthUnit, Luminaire, Material, Scene, SceneSource, Sides, Surface, Texture, UpAxis,
     View,

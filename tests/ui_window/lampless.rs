@@ -7,7 +7,8 @@ use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable as _;
 use lumenwalk::mesh::PatchTarget;
 use lumenwalk::scene::{self, Scene};
-use lumenwalk::session::{self, Control, Snapshot, SolveSettings, Stage};
+use lumenwalk::session::Snapshot;
+use lumenwalk::solve::{self, Control, SolveSettings, Stage};
 use lumenwalk::ui::App;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
@@ -31,7 +32,7 @@ fn bare() -> Arc<Scene> {
 
 /// What the worker publishes of a scene without lamps.
 fn unlit(scene: &Arc<Scene>) -> Arc<Snapshot> {
-    let solved = session::without_light(Arc::clone(scene), &settings()).expect("meshed");
+    let solved = solve::without_light(Arc::clone(scene), &settings()).expect("meshed");
     Arc::new(Snapshot {
         serial: 1,
         mesh_serial: 1,
@@ -81,7 +82,7 @@ fn one_click_adds_lamps_and_undo_takes_them_back() {
     assert_eq!(worker.requests().last().map(String::as_str), Some("lamps 1"));
     let lit = Arc::new(scene.with_placed(harness.state().edits().placed.clone()));
     let never = AtomicBool::new(false);
-    let solved = session::solve(lit, &settings(), &never, &mut |_| Control::Continue).expect("solved");
+    let solved = solve::solve(lit, &settings(), &never, &mut |_| Control::Continue).expect("solved");
     worker.publish(|s| {
         (s.mesh_serial, s.stage) = (2, Stage::Converged);
         (s.scene, s.mesh) = (Some(solved.scene), Some(solved.mesh));

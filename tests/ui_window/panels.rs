@@ -6,7 +6,7 @@ use egui::{Key, Modifiers};
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable as _;
 use lumenwalk::scene::illuminance;
-use lumenwalk::session::Stage;
+use lumenwalk::solve::Stage;
 use lumenwalk::ui::{App, Motion, Quantity, ShadingMode};
 use std::sync::Arc;
 

@@ -9,7 +9,7 @@ use egui_kittest::kittest::Queryable as _;
 use lumenwalk::form_factors::Method;
 use lumenwalk::mesh::PatchTarget;
 use lumenwalk::scene::{SceneSource, View, illuminance};
-use lumenwalk::session::{self, Control, SolveSettings};
+use lumenwalk::solve::{self, Control, SolveSettings};
 use lumenwalk::ui::{App, DisplaySettings, Motion, Quantity, ShadingMode, UiState, Visit, Worker};
 use std::collections::HashMap;
 use std::sync::Arc;
@@ -122,7 +122,7 @@ fn light_a_follows_to_another_mesh_of_its_scene() {
     let scene = solved().scene.clone().expect("a scene");
     let settings = SolveSettings { patches: PatchTarget::Count(300), ..SolveSettings::default() };
     let never = AtomicBool::new(false);
-    let other = session::solve(scene, &settings, &never, &mut |_| Control::Continue).expect("solved");
+    let other = solve::solve(scene, &settings, &never, &mut |_| Control::Continue).expect("solved");
     let patches = other.mesh.patches.len();
     assert_ne!(patches, solved().mesh.as_ref().expect("meshed").patches.len());
     let (mesh, bases) = (Arc::clone(&other.mesh), Arc::clone(&other.bases));

@@ -4,7 +4,8 @@ use egui::{Key, Modifiers, Pos2};
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable as _;
 use lumenwalk::scene::{self, PlacedLamp, Scene, SceneSource};
-use lumenwalk::session::{self, Control, MaterialEdit, Snapshot, SolveSettings, Stage};
+use lumenwalk::session::{MaterialEdit, Snapshot};
+use lumenwalk::solve::{self, Control, SolveSettings, Stage};
 use lumenwalk::solver::SweepReport;
 use lumenwalk::ui::{App, UiState, Worker};
 use std::path::{Path, PathBuf};
@@ -67,7 +68,7 @@ pub(crate) fn solution_of(model: &Path) -> Arc<Snapshot> {
     let settings = SolveSettings { patches: lumenwalk::mesh::PatchTarget::Count(700), ..Default::default() };
     let never = AtomicBool::new(false);
     let solved =
-        session::solve(Arc::new(scene), &settings, &never, &mut |_| Control::Continue).expect("solved");
+        solve::solve(Arc::new(scene), &settings, &never, &mut |_| Control::Continue).expect("solved");
     Arc::new(Snapshot {
         serial: 1,
         mesh_serial: 1,

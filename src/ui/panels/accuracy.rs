@@ -2,7 +2,7 @@
 
 use super::{Commands, Model, error_chart};
 use crate::accuracy::{DARKEST, ErrorBudget, Estimate, LEVELS};
-use crate::session::Stage;
+use crate::solve::Stage;
 use crate::study::Goal;
 use crate::ui::auditor::Ask;
 use crate::ui::command::Command;

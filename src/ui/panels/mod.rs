@@ -28,7 +28,8 @@ use super::state::{Edits, UiState, Visit};
 use crate::display::{Exposure, FalseColour};
 use crate::mesh::PatchMesh;
 use crate::scene::{Scene, View};
-use crate::session::{Snapshot, SolveSettings, Stage};
+use crate::session::Snapshot;
+use crate::solve::{SolveSettings, Stage};
 use crate::solver::{PatchLight, Power};
 
 /// Everything that panels show, borrowed for one frame.

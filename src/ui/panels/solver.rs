@@ -3,7 +3,8 @@
 use super::{Commands, Model, empty};
 use crate::form_factors::{Method, ReceivingPoints};
 use crate::mesh::PatchTarget;
-use crate::session::{Snapshot, SolveSettings, Stage};
+use crate::session::Snapshot;
+use crate::solve::{SolveSettings, Stage};
 use crate::solver::{Power, SweepReport};
 use crate::ui::command::Command;
 use crate::ui::{theme, units};

@@ -5,7 +5,7 @@ use super::Model;
 use super::accuracy::percent;
 use super::solver::state_of;
 use crate::accuracy::{ErrorBudget, LEVELS};
-use crate::session::Stage;
+use crate::solve::Stage;
 use crate::ui::theme;
 use egui::Color32;
 

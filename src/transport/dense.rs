@@ -1,7 +1,8 @@
 //! All form factors of a mesh: sparse, reciprocal and closed.
 
 use super::quality::PairGaps;
-use super::{Row, RowComputer, RowQuality, near};
+use super::{RowQuality, near};
+use crate::form_factors::{Row, RowComputer};
 use crate::geometry::Frame;
 use crate::watch::{Cancelled, Watch};
 use rayon::prelude::*;

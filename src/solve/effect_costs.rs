@@ -18,7 +18,7 @@ const PROBES: usize = 12;
 /// - two-sided surfaces: the share of backs in the time of rows and sweeps.
 ///
 /// Textures and smooth surfaces take nothing from a solve: one is read while meshing, one at display.
-pub(super) fn measured(prepared: &Prepared, lamps: usize, timings: &Timings) -> EffectPlan {
+pub fn measured(prepared: &Prepared, lamps: usize, timings: &Timings) -> EffectPlan {
     costs((&prepared.plan, &prepared.mesh, &prepared.computer), lamps, timings)
 }
 

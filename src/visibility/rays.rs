@@ -1,7 +1,5 @@
-//! Form factors by rays with a cosine distribution: every ray carries the same weight.
+//! Rays against the true polygons of a mesh.
 
-use super::occluders::Viewer;
-use super::row::RowBuffer;
 use crate::geometry::{Bvh, Frame, Ray};
 use crate::mesh::{NO_PATCH, PatchMesh, cosine_direction};
 use glam::DVec3;
@@ -54,7 +52,7 @@ impl RayScene {
 
     /// The patch that a ray meets first, or [`NO_PATCH`], and whether no light reaches that side; `None`
     /// where the ray escapes.
-    fn seen(&self, point: DVec3, direction: DVec3) -> Option<(u32, bool)> {
+    pub(crate) fn seen(&self, point: DVec3, direction: DVec3) -> Option<(u32, bool)> {
         let ray = Ray { origin: point, direction };
         let is_shown = |triangle: u32| self.is_shown(triangle, direction);
         let hit = self.bvh.nearest_where(&ray, self.offset, f64::INFINITY, is_shown)?;
@@ -65,7 +63,7 @@ impl RayScene {
 
     /// Whether no ray leaves the scene, of 8 spread over the hemisphere and 16 along the surface from each
     /// of some thousands of patches that light reaches.
-    pub(super) fn is_sealed(&self) -> bool {
+    pub(crate) fn is_sealed(&self) -> bool {
         self.sealed
     }
 
@@ -83,7 +81,7 @@ impl RayScene {
 
     /// Whether a ray along a surface from one of its points, a hair above it, escapes from the scene:
     /// looked for in 16 directions.
-    pub(super) fn opens_sideways(&self, point: DVec3, frame: &Frame) -> bool {
+    pub(crate) fn opens_sideways(&self, point: DVec3, frame: &Frame) -> bool {
         const RAYS: u32 = 16;
         const RISE: f64 = 1e-5;
         (0..RAYS).any(|k| {
@@ -95,7 +93,7 @@ impl RayScene {
     /// Whether a point on a surface lies inside a body, under one, or outside a closed scene that its
     /// surface sticks out of: what is lit never sees a side that no light reaches, and one of 8 rays
     /// would meet one or leave.
-    pub(super) fn covered(&self, point: DVec3, frame: &Frame) -> bool {
+    pub(crate) fn covered(&self, point: DVec3, frame: &Frame) -> bool {
         const RAYS: u32 = 8;
         (0..RAYS).any(|k| {
             let direction = frame.world(cosine_direction(k, RAYS, 0.1));
@@ -119,37 +117,4 @@ impl RayScene {
     fn is_shown(&self, triangle: u32, direction: DVec3) -> bool {
         !(self.backed[triangle as usize] && self.normals[triangle as usize].dot(direction) > 0.0)
     }
-
-    /// Adds the form factors from `point` to every patch to `row`, which is empty; `turn` in 0..1 turns
-    /// the pattern of `count` rays. Rays that meet a dark side count for nothing to a lit surface, which
-    /// sees none.
-    pub fn gather(
-        &self,
-        count: u32,
-        point: DVec3,
-        frame: &Frame,
-        turn: f64,
-        viewer: Viewer,
-        row: &mut RowBuffer,
-    ) {
-        let each = 1.0 / f64::from(count.max(1));
-        let mut dark = 0.0;
-        for k in 0..count {
-            let direction = frame.world(cosine_direction(k, count, turn));
-            match self.seen(point, direction) {
-                Some((NO_PATCH, true)) => dark += each,
-                Some((NO_PATCH, false)) | None => {}
-                Some((patch, _)) => row.add(patch, each),
-            }
-        }
-        if viewer == Viewer::LitSurface {
-            row.scale(without_dark(dark));
-        }
-    }
-}
-
-/// What a row is scaled by of which this share met dark sides. A point that sees little else lies
-/// under something, and its row stays as it is.
-pub(super) fn without_dark(share: f64) -> f64 {
-    if share < 0.5 { 1.0 / (1.0 - share) } else { 1.0 }
 }

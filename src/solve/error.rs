@@ -1,9 +1,7 @@
-//! Why a solve or a request ends early.
+//! Why a solve ends early.
 
 use super::memory::too_large;
-use super::pipeline::Stage;
 use crate::mesh;
-use crate::scene::SceneError;
 use crate::watch::Cancelled;
 
 /// Why a solve ended without a solution.
@@ -43,31 +41,5 @@ impl From<mesh::MeshError> for PipelineError {
 impl From<Cancelled> for PipelineError {
     fn from(Cancelled: Cancelled) -> Self {
         Self::Cancelled
-    }
-}
-
-/// Why the worker does not answer a request in full.
-pub(super) enum Failure {
-    Cancelled,
-    Said(String),
-    /// The present scene stands whole, at this stage.
-    Refused(Stage),
-}
-
-impl From<SceneError> for Failure {
-    fn from(error: SceneError) -> Self {
-        match error {
-            SceneError::Cancelled => Self::Cancelled,
-            other => Self::Said(other.to_string()),
-        }
-    }
-}
-
-impl From<PipelineError> for Failure {
-    fn from(error: PipelineError) -> Self {
-        match error {
-            PipelineError::Cancelled => Self::Cancelled,
-            other => Self::Said(other.to_string()),
-        }
     }
 }

@@ -4,9 +4,9 @@
 //! wall however thin, at any speed and any frame rate. Walls push it back at right angles to
 //! themselves, which leaves the motion along them: that is the sliding.
 
+use super::person_scale;
 use crate::geometry::{Aabb, nearest_in_triangle};
 use crate::mesh::PatchMesh;
-use crate::render::person_scale;
 use crate::scene::Extent;
 use glam::{DVec2, DVec3};
 
@@ -21,21 +21,21 @@ const MAX_SUBSTEPS: f64 = 400.0;
 
 /// Measures of the walking person, metres.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Body {
+pub struct Body {
     /// Half the width.
-    pub(super) radius: f64,
+    pub radius: f64,
     /// Eyes above the floor.
-    pub(super) eye_height: f64,
+    pub eye_height: f64,
     /// Highest step that is climbed without jumping.
-    pub(super) step: f64,
+    pub step: f64,
     /// Top of the head above the eyes.
-    pub(super) headroom: f64,
+    pub headroom: f64,
 }
 
 impl Body {
     /// An adult, or one scaled to stand in a model of `room_height` metres that is too low for an
     /// adult (the Cornell box measures 0.55 m).
-    pub(super) fn for_room(room_height: f64, eye_height: f64) -> Self {
+    pub fn for_room(room_height: f64, eye_height: f64) -> Self {
         let scale = person_scale(room_height);
         Self {
             radius: 0.22 * scale,
@@ -46,25 +46,25 @@ impl Body {
     }
 
     /// Metres of the model to one metre of an adult.
-    pub(super) fn scale(&self) -> f64 {
+    pub fn scale(&self) -> f64 {
         self.step / 0.35
     }
 }
 
 /// Where a walk ended.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Footing {
+pub struct Footing {
     /// The feet, metres.
-    pub(super) feet: DVec3,
+    pub feet: DVec3,
     /// Speed of falling, m/s; zero on the ground.
-    pub(super) fall_speed: f64,
+    pub fall_speed: f64,
     /// Whether the feet stand on something.
-    pub(super) grounded: bool,
+    pub grounded: bool,
 }
 
 /// Everything that a walking person can stand on or run into, sorted into columns above the ground.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Obstacles {
+pub struct Obstacles {
     triangles: Vec<[DVec3; 3]>,
     up: DVec3,
     /// The two level axes.
@@ -81,14 +81,14 @@ impl Obstacles {
     /// Sorts the triangles of a mesh; `up` is a unit vector along an axis.
     ///
     /// What lies far away from the rest cannot be walked to, and would make the cells too large.
-    pub(super) fn of_mesh(mesh: &PatchMesh, up: DVec3, extent: &Extent) -> Self {
+    pub fn of_mesh(mesh: &PatchMesh, up: DVec3, extent: &Extent) -> Self {
         let mut triangles = mesh.triangles().0;
         triangles.retain(|triangle| extent.holds(&Aabb::around(*triangle)));
         Self::new(triangles, up)
     }
 
     /// Sorts `triangles`; those that are not finite are left out. `up` is a unit vector.
-    pub(super) fn new(triangles: Vec<[DVec3; 3]>, up: DVec3) -> Self {
+    pub fn new(triangles: Vec<[DVec3; 3]>, up: DVec3) -> Self {
         let right = up.any_orthonormal_vector();
         let level = [right, up.cross(right)];
         let flat = |p: DVec3| DVec2::new(p.dot(level[0]), p.dot(level[1]));
@@ -167,7 +167,7 @@ impl Obstacles {
     }
 
     /// Height (along up, metres) of the highest thing below `point`, itself included.
-    pub(super) fn floor_below(&self, point: DVec3) -> Option<f64> {
+    pub fn floor_below(&self, point: DVec3) -> Option<f64> {
         let (at, top) = (self.flat(point), point.dot(self.up));
         let mut best: Option<f64> = None;
         self.near(at, at, |triangle| {
@@ -215,7 +215,7 @@ impl Obstacles {
     /// Moves a person by `way` (its level part, metres) and lets gravity act for `dt` seconds.
     ///
     /// Where nothing lies below at all, the person stays at this height instead of falling for ever.
-    pub(super) fn walk(&self, body: &Body, from: Footing, way: DVec3, dt: f64) -> Footing {
+    pub fn walk(&self, body: &Body, from: Footing, way: DVec3, dt: f64) -> Footing {
         let way = way - self.up * way.dot(self.up);
         let substeps = (way.length() / (0.5 * body.radius)).ceil().clamp(1.0, MAX_SUBSTEPS);
         let part = (way / substeps).clamp_length_max(0.5 * body.radius);

@@ -4,8 +4,8 @@
 //! perpendicular squares it costs 5 %. The sampled value over the closed form from the same point
 //! is the visible fraction; times the closed form between the polygons it is the form factor.
 
-use super::closed_form::exchange_area;
-use super::{Row, RowComputer};
+use crate::form_factors::closed_form::exchange_area;
+use crate::form_factors::{Row, RowComputer};
 use crate::geometry::Frame;
 use crate::mesh::{Patch, PatchMesh};
 

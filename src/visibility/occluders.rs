@@ -17,63 +17,63 @@ pub enum Viewer {
 }
 
 /// Surfaces that lie back to back are nearer to each other than this share of the scene's diagonal.
-pub(super) const THICKNESS: f64 = 2e-7;
+pub(crate) const THICKNESS: f64 = 2e-7;
 
 /// Everything that a receiving point can see, laid out for one pass per row.
 #[derive(Clone, Debug, Default)]
 pub struct Occluders {
-    pub(super) regions: Vec<Occluder>,
+    pub(crate) regions: Vec<Occluder>,
     /// Corner positions of all outlines.
-    pub(super) vertices: Vec<DVec3>,
+    pub(crate) vertices: Vec<DVec3>,
     /// Outline edges as indices into the vertices of their region; inside lies left of each.
-    pub(super) edges: Vec<[u32; 2]>,
+    pub(crate) edges: Vec<[u32; 2]>,
     /// For each cell of each region its patches or its pieces.
-    pub(super) cells: Vec<Cell>,
+    pub(crate) cells: Vec<Cell>,
     /// Convex pieces of cells that hold more than one.
-    pub(super) pieces: Vec<CellPiece>,
+    pub(crate) pieces: Vec<CellPiece>,
     /// Edges of those pieces: inside where `a u + b v + c >= 0`, plane coordinates in cells.
-    pub(super) piece_edges: Vec<[f64; 3]>,
+    pub(crate) piece_edges: Vec<[f64; 3]>,
     /// What tolerances are shares of, metres.
-    pub(super) size: f64,
+    pub(crate) size: f64,
     /// Patches in the mesh.
-    pub(super) patches: usize,
-    pub(super) culling: Culling,
+    pub(crate) patches: usize,
+    pub(crate) culling: Culling,
 }
 
 /// One region.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Occluder {
+pub(crate) struct Occluder {
     /// Origin of the grid.
-    pub(super) origin: DVec3,
+    pub(crate) origin: DVec3,
     /// Axes of the grid, divided by the edge length of a cell.
-    pub(super) u_axis: DVec3,
-    pub(super) v_axis: DVec3,
-    pub(super) normal: DVec3,
-    pub(super) cells: [u32; 2],
-    pub(super) first_cell: u32,
-    pub(super) vertices: [u32; 2],
-    pub(super) edges: [u32; 2],
+    pub(crate) u_axis: DVec3,
+    pub(crate) v_axis: DVec3,
+    pub(crate) normal: DVec3,
+    pub(crate) cells: [u32; 2],
+    pub(crate) first_cell: u32,
+    pub(crate) vertices: [u32; 2],
+    pub(crate) edges: [u32; 2],
     /// Middle and half size of the box around it.
-    pub(super) middle: DVec3,
-    pub(super) half: DVec3,
+    pub(crate) middle: DVec3,
+    pub(crate) half: DVec3,
     /// For front and back whether a patch on that side emits.
-    pub(super) emits: [bool; 2],
+    pub(crate) emits: [bool; 2],
     /// Sides that nothing lit can see.
-    pub(super) dark: [bool; 2],
+    pub(crate) dark: [bool; 2],
     /// How much of its back others lie on.
-    pub(super) backing: Backing,
+    pub(crate) backing: Backing,
 }
 
 impl Occluder {
     /// Whether others lie on a part of this side, and are seen there instead.
-    pub(super) fn is_set_back(&self, side: Side) -> bool {
+    pub(crate) fn is_set_back(&self, side: Side) -> bool {
         side == Side::Back && self.backing == Backing::Partial
     }
 }
 
 /// What lies in a grid cell.
 #[derive(Clone, Copy, Debug)]
-pub(super) enum Cell {
+pub(crate) enum Cell {
     /// One piece, or pieces of one patch: the patches on its front and back.
     Whole([u32; 2]),
     /// A range of [`Occluders::pieces`].
@@ -82,10 +82,10 @@ pub(super) enum Cell {
 
 /// A convex piece in a split cell.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct CellPiece {
-    pub(super) patches: [u32; 2],
+pub(crate) struct CellPiece {
+    pub(crate) patches: [u32; 2],
     /// A range of [`Occluders::piece_edges`].
-    pub(super) edges: [u32; 2],
+    pub(crate) edges: [u32; 2],
 }
 
 impl Occluders {
@@ -182,7 +182,7 @@ impl Occluders {
 
     /// Form factor from the point to a whole region without occlusion, what lies below the horizon cut
     /// off; `None` where the horizon cuts it into several parts.
-    pub(super) fn unoccluded(&self, region: &Occluder, point: DVec3, frame: &Frame) -> Option<f64> {
+    pub(crate) fn unoccluded(&self, region: &Occluder, point: DVec3, frame: &Frame) -> Option<f64> {
         let vertices = &self.vertices[region.vertices[0] as usize..region.vertices[1] as usize];
         let mut sum = 0.0;
         let (mut enter, mut leave, mut rims) = (0.0, 0.0, 0);
@@ -223,7 +223,7 @@ impl Occluders {
 
     /// Whether others lie between a region and a point whose plane is so far away along the region's normal:
     /// on its back, where they are seen instead, or where the point is on one of them itself.
-    pub(super) fn is_covered(&self, region: &Occluder, to_plane: f64, normal: DVec3) -> bool {
+    pub(crate) fn is_covered(&self, region: &Occluder, to_plane: f64, normal: DVec3) -> bool {
         let is_on_it = || to_plane.abs() <= self.thickness() && region.normal.dot(normal) < -0.99;
         match region.backing {
             Backing::None => false,
@@ -233,12 +233,12 @@ impl Occluders {
     }
 
     /// Distances below this count as contact, metres.
-    pub(super) fn contact(&self) -> f64 {
+    pub(crate) fn contact(&self) -> f64 {
         1e-9 * self.size
     }
 
     /// Surfaces that lie back to back are nearer to each other than this, metres.
-    pub(super) fn thickness(&self) -> f64 {
+    pub(crate) fn thickness(&self) -> f64 {
         THICKNESS * self.size
     }
 }

@@ -5,7 +5,7 @@ use glam::DVec3;
 
 /// A tree of boxes over regions, and the large convex surfaces that may hide them.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Culling {
+pub(crate) struct Culling {
     nodes: Vec<Node>,
     order: Vec<u32>,
     blockers: Vec<Blocker>,
@@ -40,7 +40,7 @@ const SHADOWS: usize = 12;
 
 impl Culling {
     /// `boxes` are middles and half sizes, one a region.
-    pub(super) fn new(boxes: &[(DVec3, DVec3)], blockers: &[Vec<DVec3>]) -> Self {
+    pub(crate) fn new(boxes: &[(DVec3, DVec3)], blockers: &[Vec<DVec3>]) -> Self {
         let mut culling = Self { order: (0..boxes.len() as u32).collect(), ..Self::default() };
         let mut order = std::mem::take(&mut culling.order);
         if !order.is_empty() {
@@ -97,7 +97,7 @@ impl Culling {
     ///
     /// Heights below `contact` count as none; what lies less than `thickness` behind a surface may lie on
     /// its back, and is not hidden by it.
-    pub(super) fn candidates(
+    pub(crate) fn candidates(
         &self,
         point: DVec3,
         normal: DVec3,

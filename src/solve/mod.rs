@@ -1,0 +1,16 @@
+//! One solve from a scene to its light, step by step, and what it takes.
+
+mod arriving;
+mod effect_costs;
+mod error;
+mod memory;
+mod pipeline;
+mod watched;
+
+pub use effect_costs::{effect_costs, measured};
+pub use error::PipelineError;
+pub use memory::available_bytes;
+pub use pipeline::{
+    Control, Prepared, Progress, Run, SolveSettings, Solved, Stage, Timings, patch_reflectance, prepare,
+    solve, system, without_light,
+};
