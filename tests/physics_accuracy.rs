@@ -372,12 +372,12 @@ fn the_algebraic_error_is_what_further_sweeps_change() {
     }
     let mean = flux / area;
     let truth = (squares / area).sqrt() / mean;
-    let found = algebraic_error(&early.form_factors, &light, &early.reflectance, &counts, mean);
+    let found = algebraic_error(early.transport.as_ref(), &light, &early.reflectance, &counts, mean);
     println!("true {truth:.3e}, found {found:?}");
     assert!(truth > 1e-6, "an early stop leaves something: {truth}");
     assert!((found.estimate.error / truth - 1.0).abs() < 0.15, "{truth} against {found:?}");
     assert!(found.bound >= truth);
-    let none = algebraic_error(&late.form_factors, &exact, &late.reflectance, &counts, mean);
+    let none = algebraic_error(late.transport.as_ref(), &exact, &late.reflectance, &counts, mean);
     assert!(none.estimate.error < 1e-5, "{none:?}");
 }
 

@@ -187,7 +187,7 @@ fn without_smooth_surfaces_the_audit_checks_the_faceted_picture() {
         let exitance: Vec<[f32; 3]> = mesh.patches.iter().map(|p| patch_emission(p, &lighting)).collect();
         let answer = Answer {
             mesh,
-            form_factors: &solved.form_factors,
+            transport: solved.transport.as_ref(),
             light: &light,
             exitance: &exitance,
             reflectance: &solved.reflectance,

@@ -64,13 +64,13 @@ pub(super) fn report(
             patch_size_m: statistics.patch_size,
         },
         form_factors: FormFactorReport {
-            entries: solved.form_factors.entries(),
-            bytes: solved.form_factors.bytes(),
-            close_pairs: solved.assembled.close_pairs,
-            worst_closure: solved.assembled.worst_closure,
-            mean_reciprocity: solved.assembled.mean_reciprocity,
-            balance_passes: solved.assembled.passes,
-            imbalance: solved.assembled.imbalance,
+            entries: solved.transport.entries(),
+            bytes: solved.transport.bytes(),
+            close_pairs: solved.transport.report().close_pairs,
+            worst_closure: solved.transport.report().worst_closure,
+            mean_reciprocity: solved.transport.report().mean_reciprocity,
+            balance_passes: solved.transport.report().passes,
+            imbalance: solved.transport.report().imbalance,
         },
         effects: solved
             .plan

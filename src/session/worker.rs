@@ -10,7 +10,7 @@ use crate::solve::{
     self, Control, Prepared, Progress, Run, SolveSettings, Solved, Stage, Timings, patch_reflectance, system,
 };
 use crate::solver::{LightBases, SweepReport};
-use crate::transport::{AssembleReport, FormFactors};
+use crate::transport::Transport;
 use rayon::ThreadPool;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -55,9 +55,7 @@ pub struct Snapshot {
     /// Computes rows, for a look at one.
     pub computer: Option<Arc<RowComputer>>,
     /// All form factors, once they are there.
-    pub form_factors: Option<Arc<FormFactors>>,
-    /// How the form factors were made reciprocal and closed.
-    pub assembled: Option<AssembleReport>,
+    pub transport: Option<Arc<dyn Transport>>,
     /// The present picture, a luminaire each.
     pub bases: Option<Arc<LightBases>>,
     /// While rows arrive, the radiosity that they have not passed on yet, a luminaire each.
@@ -86,8 +84,7 @@ impl Snapshot {
             mesh: self.mesh.clone()?,
             plan: self.plan.clone()?,
             computer: self.computer.clone()?,
-            form_factors: self.form_factors.clone()?,
-            assembled: self.assembled?,
+            transport: self.transport.clone()?,
             bases: self.bases.clone()?,
             reflectance: self.reflectance.clone(),
             sweeps: self.sweeps.to_vec(),
@@ -259,7 +256,7 @@ pub(super) struct State {
     pub(super) prepared: Option<Prepared>,
     /// Rows of a solve that was interrupted, a patch each.
     pub(super) rows: Vec<Option<Row>>,
-    pub(super) form_factors: Option<Arc<FormFactors>>,
+    pub(super) transport: Option<Arc<dyn Transport>>,
     pub(super) bases: Option<Arc<LightBases>>,
 }
 
@@ -379,7 +376,7 @@ impl Worker<'_> {
             (self.snapshot.fraction, self.snapshot.seconds_left) = (1.0, None);
             return Ok(todo);
         }
-        if self.state.form_factors.is_none() {
+        if self.state.transport.is_none() {
             todo.rows = prepared.mesh.patches.len() - self.state.rows.iter().flatten().count();
             let standing = self.state.bases.as_deref().cloned();
             // What a request that leaves the geometry alone has interrupted goes on from there.
@@ -391,18 +388,17 @@ impl Worker<'_> {
             let assembled = self.with_run(|run| run.assemble(&prepared, &mut rows));
             // What is left of them, where it was interrupted.
             self.state.rows = rows.into_iter().map(Some).collect();
-            let (form_factors, assembled) = assembled?;
-            let form_factors = Arc::new(form_factors);
-            self.state.form_factors = Some(form_factors.clone());
-            self.snapshot.form_factors = Some(form_factors);
+            let transport = assembled?;
+            self.state.transport = Some(transport.clone());
+            self.snapshot.transport = Some(transport);
             self.snapshot.unshot = None;
-            self.snapshot.assembled = Some(assembled);
         }
-        let form_factors = self.state.form_factors.clone().ok_or(Failure::Cancelled)?;
+        let transport = self.state.transport.clone().ok_or(Failure::Cancelled)?;
         let start = self.state.bases.clone();
         let tolerance = self.state.settings.tolerance;
-        let (bases, sweeps) =
-            self.with_run(|run| run.sweeps(&prepared, &form_factors, &system, start.as_deref(), tolerance))?;
+        let (bases, sweeps) = self.with_run(|run| {
+            run.sweeps(&prepared, transport.as_ref(), &system, start.as_deref(), tolerance)
+        })?;
         todo.sweeps = sweeps.len();
         if todo.rows > 0 {
             let plan = solve::measured(&prepared, system.lamps, &self.snapshot.timings);
@@ -493,12 +489,11 @@ impl Worker<'_> {
         let same = !todo.method
             && self.state.prepared.as_ref().is_some_and(|old| same_geometry(&old.mesh, &prepared.mesh));
         if same {
-            todo.kept_rows = self.state.form_factors.is_some();
+            todo.kept_rows = self.state.transport.is_some();
         } else {
             self.state.rows = Vec::new();
-            self.state.form_factors = None;
-            self.snapshot.form_factors = None;
-            self.snapshot.assembled = None;
+            self.state.transport = None;
+            self.snapshot.transport = None;
         }
         // The light of the same scene stays, and is refined on its new patches.
         let light = self.state.scene.as_ref().filter(|old| Arc::ptr_eq(old, &scene)).and_then(|_| {

@@ -9,7 +9,7 @@ use crate::form_factors::{Method, ReceivingPoints, Row, RowComputer, Sampling};
 use crate::mesh::{self, LightSearch, MeshSettings, PatchMesh, PatchTarget, Refinement, Survey};
 use crate::scene::{Lighting, Scene};
 use crate::solver::{GaussSeidel, LightBases, PatchLight, SweepReport, System};
-use crate::transport::{AssembleReport, FormFactors};
+use crate::transport::{DenseTransport, Transport};
 use crate::watch::Watch;
 use glam::DVec3;
 use rayon::prelude::*;
@@ -196,9 +196,7 @@ pub struct Solved {
     /// Computes rows at free points.
     pub computer: Arc<RowComputer>,
     /// All form factors.
-    pub form_factors: Arc<FormFactors>,
-    /// How the form factors were made reciprocal and closed.
-    pub assembled: AssembleReport,
+    pub transport: Arc<dyn Transport>,
     /// Irradiance a luminaire.
     pub bases: Arc<LightBases>,
     /// Reflectance of every patch as solved for.
@@ -449,23 +447,23 @@ impl<'a> Run<'a> {
         &mut self,
         prepared: &Prepared,
         rows: &mut Vec<Row>,
-    ) -> Result<(FormFactors, AssembleReport), PipelineError> {
+    ) -> Result<Arc<dyn Transport>, PipelineError> {
         let clock = self.clock();
         let n = rows.len();
         let sweeps = SWEEPS * self.timings.rows;
         self.tell(Stage::Balancing, (n, n), (0.9, Some(2.0 * sweeps)), &[], None, true)?;
         let assembled = self.watched(Stage::Balancing, (n, n), ([0.9, 0.95], sweeps), |watch| {
-            FormFactors::assemble(&prepared.computer, rows, watch)
+            DenseTransport::assemble(&prepared.computer, rows, watch)
         });
         self.timings.balance = clock.seconds(self);
-        Ok(assembled?)
+        Ok(Arc::new(assembled?))
     }
 
     /// Sweeps from `start` to the tolerance.
     pub fn sweeps(
         &mut self,
         prepared: &Prepared,
-        form_factors: &FormFactors,
+        transport: &dyn Transport,
         system: &System,
         start: Option<&LightBases>,
         tolerance: f64,
@@ -474,11 +472,11 @@ impl<'a> Run<'a> {
         let n = prepared.mesh.patches.len();
         let cancel = self.cancel;
         let cancelled = || cancel.load(Ordering::Relaxed);
-        let mut solver = GaussSeidel::new(&prepared.mesh, form_factors, system, start);
+        let mut solver = GaussSeidel::new(&prepared.mesh, transport, system, start);
         let mut reports: Vec<SweepReport> = Vec::new();
         let first = solver.report(system).error_bound;
         while reports.last().is_none_or(|r| r.error_bound > tolerance) && reports.len() < MOST_SWEEPS {
-            let report = solver.sweep(form_factors, system, &cancelled).ok_or(PipelineError::Cancelled)?;
+            let report = solver.sweep(transport, system, &cancelled).ok_or(PipelineError::Cancelled)?;
             reports.push(report);
             self.timings.sweeps = clock.seconds(self);
             // The error falls by about the same factor every sweep.
@@ -514,16 +512,16 @@ pub fn solve(
     let reflectance = patch_reflectance(&prepared.mesh, &|_| None);
     let system = system(&prepared, &reflectance);
     let (mut rows, start) = run.rows(&prepared, &system, None, &mut Vec::new())?;
-    let (form_factors, assembled) = run.assemble(&prepared, &mut rows)?;
-    let (bases, sweeps) = run.sweeps(&prepared, &form_factors, &system, Some(&start), settings.tolerance)?;
+    let transport = run.assemble(&prepared, &mut rows)?;
+    let (bases, sweeps) =
+        run.sweeps(&prepared, transport.as_ref(), &system, Some(&start), settings.tolerance)?;
     let plan = Arc::new(effect_costs::measured(&prepared, system.lamps, &run.timings));
     Ok(Solved {
         scene: prepared.scene,
         mesh: prepared.mesh,
         plan,
         computer: prepared.computer,
-        form_factors: Arc::new(form_factors),
-        assembled,
+        transport,
         bases: Arc::new(bases),
         reflectance: Arc::new(reflectance.iter().map(|r| r.map(|b| b as f32)).collect()),
         sweeps,
@@ -546,8 +544,7 @@ pub fn without_light(scene: Arc<Scene>, settings: &SolveSettings) -> Result<Solv
         mesh: prepared.mesh,
         plan: prepared.plan,
         computer: prepared.computer,
-        form_factors: Arc::default(),
-        assembled: AssembleReport::default(),
+        transport: Arc::new(DenseTransport::default()),
         bases: Arc::new(bases),
         reflectance: Arc::new(reflectance.iter().map(|r| r.map(|b| b as f32)).collect()),
         sweeps: Vec::new(),

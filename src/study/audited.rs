@@ -34,7 +34,7 @@ pub fn audit(
     let exitance: Vec<[f32; 3]> = solved.mesh.patches.iter().map(|p| patch_emission(p, lighting)).collect();
     let answer = Answer {
         mesh: &solved.mesh,
-        form_factors: &solved.form_factors,
+        transport: solved.transport.as_ref(),
         light: &light,
         exitance: &exitance,
         reflectance: &solved.reflectance,

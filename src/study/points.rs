@@ -18,7 +18,7 @@ pub fn points(
     light: &PatchLight,
     places: &[(DVec3, DVec3)],
 ) -> Vec<PointIrradiance> {
-    if solved.form_factors.is_empty() {
+    if solved.transport.is_empty() {
         return vec![PointIrradiance::default(); places.len()];
     }
     let display = DisplayMesh::build(&solved.mesh, &solved.scene, solved.plan.is_on(Effect::SmoothSurfaces));
@@ -26,7 +26,7 @@ pub fn points(
     let exitance: Vec<[f32; 3]> = solved.mesh.patches.iter().map(|p| patch_emission(p, lighting)).collect();
     let answer = Answer {
         mesh: &solved.mesh,
-        form_factors: &solved.form_factors,
+        transport: solved.transport.as_ref(),
         light,
         exitance: &exitance,
         reflectance: &solved.reflectance,

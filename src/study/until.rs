@@ -9,8 +9,8 @@ use crate::solve::{
     Control, PipelineError, Prepared, Progress, Run, SolveSettings, Solved, Stage, Timings,
     patch_reflectance, system,
 };
-use crate::solver::LightBases;
-use crate::transport::{AssembleReport, FormFactors};
+use crate::solver::{LightBases, SweepReport};
+use crate::transport::{DenseTransport, Transport};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{RecvTimeoutError, channel};
@@ -37,7 +37,7 @@ pub(super) enum Outcome {
 
 /// How a run ended that was not cancelled.
 enum Ended {
-    Whole(Box<(FormFactors, AssembleReport, LightBases, Vec<crate::solver::SweepReport>)>),
+    Whole(Arc<dyn Transport>, LightBases, Vec<SweepReport>),
     TooLong,
 }
 
@@ -114,22 +114,20 @@ pub(super) fn solve_until(
         };
     };
     let reflectance = patch_reflectance(&prepared.mesh, &|_| None);
-    let solved = |form_factors: FormFactors, assembled: AssembleReport, bases: LightBases| Solved {
+    let solved = |transport: Arc<dyn Transport>, bases: LightBases| Solved {
         scene: prepared.scene.clone(),
         mesh: prepared.mesh.clone(),
         plan: prepared.plan.clone(),
         computer: prepared.computer.clone(),
-        form_factors: Arc::new(form_factors),
-        assembled,
+        transport,
         bases: Arc::new(bases),
         reflectance: Arc::new(reflectance.iter().map(|r| r.map(|b| b as f32)).collect()),
         sweeps: Vec::new(),
         timings,
     };
     match ended {
-        Ok(Ended::Whole(parts)) => {
-            let (form_factors, assembled, bases, sweeps) = *parts;
-            Ok(Outcome::Whole(Box::new(Solved { sweeps, ..solved(form_factors, assembled, bases) })))
+        Ok(Ended::Whole(transport, bases, sweeps)) => {
+            Ok(Outcome::Whole(Box::new(Solved { sweeps, ..solved(transport, bases) })))
         }
         Ok(Ended::TooLong) => Ok(Outcome::TooLong),
         Err(PipelineError::Cancelled) if given_up && has_another => Ok(Outcome::TooLong),
@@ -141,7 +139,7 @@ pub(super) fn solve_until(
                 bands: system.bands,
                 values: vec![0.0; system.patches() * system.columns()],
             });
-            Ok(Outcome::Part(Box::new(solved(FormFactors::default(), AssembleReport::default(), bases))))
+            Ok(Outcome::Part(Box::new(solved(Arc::new(DenseTransport::default()), bases))))
         }
         Err(error) => Err(error),
     }
@@ -192,7 +190,8 @@ fn solve(
     let system = system(prepared, &reflectance);
     let standing = before.and_then(|b| b.bases.carried(&b.mesh, &prepared.mesh));
     let (mut rows, start) = run.rows(prepared, &system, standing, &mut Vec::new())?;
-    let (form_factors, assembled) = run.assemble(prepared, &mut rows)?;
-    let (bases, sweeps) = run.sweeps(prepared, &form_factors, &system, Some(&start), settings.tolerance)?;
-    Ok(Ended::Whole(Box::new((form_factors, assembled, bases, sweeps))))
+    let transport = run.assemble(prepared, &mut rows)?;
+    let (bases, sweeps) =
+        run.sweeps(prepared, transport.as_ref(), &system, Some(&start), settings.tolerance)?;
+    Ok(Ended::Whole(transport, bases, sweeps))
 }

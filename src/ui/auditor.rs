@@ -164,7 +164,7 @@ impl Auditor {
         let standing = (snapshot.stage == Stage::Converged).then_some(()).and(snapshot.bases.clone());
         let lamps = snapshot.scene.as_ref().map_or(0, |s| s.luminaires.len());
         // In the dark there is nothing that could be wrong.
-        let is_whole = lamps > 0 && snapshot.form_factors.is_some() && lighting.lamps.len() == lamps;
+        let is_whole = lamps > 0 && snapshot.transport.is_some() && lighting.lamps.len() == lamps;
         let Some(bases) = standing.filter(|_| is_whole) else {
             self.job = None;
             self.standing = None;
@@ -432,8 +432,7 @@ pub(super) mod tests {
             mesh: Some(solved.mesh),
             plan: Some(solved.plan),
             computer: Some(solved.computer),
-            form_factors: Some(solved.form_factors),
-            assembled: Some(solved.assembled),
+            transport: Some(solved.transport),
             bases: Some(solved.bases),
             settings,
             ..Snapshot::default()

@@ -134,7 +134,7 @@ impl Assembled {
 
     /// A solver for this system, started from B = E.
     pub(crate) fn solver(&self, system: &System) -> GaussSeidel {
-        GaussSeidel::new(&self.prepared.mesh, &self.form_factors, system, None)
+        GaussSeidel::new(&self.prepared.mesh, self.transport.as_ref(), system, None)
     }
 }
 

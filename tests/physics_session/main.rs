@@ -90,7 +90,7 @@ fn a_reflectance_costs_sweeps_and_no_row() {
     let (rows, sweeps) = recomputed(&edited);
     assert_eq!(rows, 0, "{}", edited.last_change);
     assert!(sweeps > 0, "{}", edited.last_change);
-    assert!(Arc::ptr_eq(edited.form_factors.as_ref().unwrap(), first.form_factors.as_ref().unwrap()));
+    assert!(Arc::ptr_eq(edited.transport.as_ref().unwrap(), first.transport.as_ref().unwrap()));
     assert_eq!(edited.mesh_serial, first.mesh_serial);
 
     // As good as if the scene had come so.
@@ -415,7 +415,7 @@ fn a_refused_file_takes_nothing_with_it_that_was_asked_for_beside_it() {
     assert!(end.error.as_deref().is_some_and(|e| e.contains("file.obj")), "{:?}", end.error);
     assert_eq!((&end.settings, &held.watched.session.settings()), (&by_hemicube, &by_hemicube));
     assert_eq!(recomputed(&end).0, end.rows.1, "{}", end.last_change);
-    assert!(!Arc::ptr_eq(end.form_factors.as_ref().unwrap(), first.form_factors.as_ref().unwrap()));
+    assert!(!Arc::ptr_eq(end.transport.as_ref().unwrap(), first.transport.as_ref().unwrap()));
     assert!(end.reflectance.contains(&[0.2; 3]), "the paint too");
 }
 
@@ -428,7 +428,7 @@ fn refused_settings_are_wanted_no_more() {
     watched.session.set_settings(hopeless);
     let refused = watched.until("refusal", |s| s.error.is_some() && s.stage == Stage::Converged);
     assert_eq!((&refused.settings, &watched.session.settings()), (&coarse(300), &coarse(300)));
-    assert!(Arc::ptr_eq(refused.form_factors.as_ref().unwrap(), first.form_factors.as_ref().unwrap()));
+    assert!(Arc::ptr_eq(refused.transport.as_ref().unwrap(), first.transport.as_ref().unwrap()));
     // The method can be chosen all the same, and is carried out.
     let by_hemicube = SolveSettings { method: Method::Hemicube, resolution: Some(32), ..coarse(300) };
     watched.session.set_settings(by_hemicube.clone());
@@ -520,8 +520,8 @@ fn the_solution_has_the_same_bits_on_any_number_of_threads() {
             let bits = |values: &[f32]| -> Vec<u32> { values.iter().map(|v| v.to_bits()).collect() };
             let same = bits(&one.bases.values) == bits(&many.bases.values);
             assert!(same, "{} on {threads} threads", method.name());
-            for i in 0..one.form_factors.len() {
-                assert_eq!(one.form_factors.row(i), many.form_factors.row(i), "{} row {i}", method.name());
+            for i in 0..one.transport.len() {
+                assert_eq!(one.transport.row(i), many.transport.row(i), "{} row {i}", method.name());
             }
         }
     }

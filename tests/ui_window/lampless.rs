@@ -86,7 +86,7 @@ fn one_click_adds_lamps_and_undo_takes_them_back() {
     worker.publish(|s| {
         (s.mesh_serial, s.stage) = (2, Stage::Converged);
         (s.scene, s.mesh) = (Some(solved.scene), Some(solved.mesh));
-        (s.form_factors, s.bases) = (Some(solved.form_factors), Some(solved.bases));
+        (s.transport, s.bases) = (Some(solved.transport), Some(solved.bases));
         (s.plan, s.computer) = (Some(solved.plan), Some(solved.computer));
         s.reflectance = solved.reflectance;
     });

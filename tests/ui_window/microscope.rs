@@ -45,7 +45,7 @@ fn quantity(harness: &Harness<'_, App>) -> Quantity {
 fn the_row_on_the_scene_is_the_row_of_the_matrix() {
     let (mut harness, patch) = looking(false);
     let snapshot = solved();
-    let (mesh, factors) = (snapshot.mesh.clone().expect("meshed"), snapshot.form_factors.clone().expect("F"));
+    let (mesh, factors) = (snapshot.mesh.clone().expect("meshed"), snapshot.transport.clone().expect("F"));
     click(&mut harness, "Row on the scene");
     assert_eq!(quantity(&harness), Quantity::RowDensity);
     for (name, shown) in [
@@ -158,7 +158,7 @@ fn the_table_sorts_and_goes_to_a_patch() {
     press(&mut harness, Key::J);
     wait_until(&mut harness, "the maps", |h| h.query_by_label("Sort by recip. %").is_some());
     let (mesh, factors) =
-        (solved().mesh.clone().expect("meshed"), solved().form_factors.clone().expect("assembled"));
+        (solved().mesh.clone().expect("meshed"), solved().transport.clone().expect("assembled"));
     let worst = (0..mesh.patches.len())
         .max_by(|&a, &b| {
             let of = |i: usize| factors.quality(i).worst_reciprocity;
@@ -194,7 +194,7 @@ fn the_table_sorts_and_goes_to_a_patch() {
 #[test]
 fn maps_of_defects_come_in_their_units_and_signs() {
     let mut harness = window(&Counting::showing(solved()), false);
-    let factors = solved().form_factors.clone().expect("assembled");
+    let factors = solved().transport.clone().expect("assembled");
     let chosen = |harness: &mut Harness<'_, App>, name: &str| {
         harness.get_by_label("Show").scroll_to_me();
         harness.run_steps(20);

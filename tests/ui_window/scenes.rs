@@ -128,8 +128,7 @@ fn light_a_follows_to_another_mesh_of_its_scene() {
     let (mesh, bases) = (Arc::clone(&other.mesh), Arc::clone(&other.bases));
     worker.publish(|s| {
         (s.mesh, s.bases, s.mesh_serial) = (Some(other.mesh), Some(other.bases), s.mesh_serial + 1);
-        (s.form_factors, s.computer, s.plan) =
-            (Some(other.form_factors), Some(other.computer), Some(other.plan));
+        (s.transport, s.computer, s.plan) = (Some(other.transport), Some(other.computer), Some(other.plan));
         s.reflectance = other.reflectance;
     });
     wait_until(&mut harness, "the other mesh", |h| h.state().light().irradiance.len() == patches);
