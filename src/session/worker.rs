@@ -1,15 +1,16 @@
 use super::failure::Failure;
 use super::recompute::{Recompute, same_geometry};
+use super::snapshot::Snapshot;
 use super::threads;
 use super::wanted::{Edits, Wanted};
-use crate::effects::EffectPlan;
-use crate::form_factors::{Row, RowComputer};
-use crate::mesh::{LightSearch, PatchMesh};
+use crate::form_factors::Row;
+use crate::mesh::LightSearch;
 use crate::scene::{PlacedLamp, Scene, SceneSource};
 use crate::solve::{
-    self, Control, Prepared, Progress, Run, SolveSettings, Solved, Stage, Timings, patch_reflectance, system,
+    self, Control, Prepared, Progress, Run, Solution, SolveSettings, Stage, Timings, patch_reflectance,
+    system,
 };
-use crate::solver::{LightBases, SweepReport};
+use crate::solver::LightBases;
 use crate::transport::Transport;
 use rayon::ThreadPool;
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -25,72 +26,6 @@ pub struct MaterialEdit {
     pub material: u32,
     /// New reflectance per band, 0 to `MAX_REFLECTANCE`; with a texture, its factor.
     pub reflectance: [f64; 3],
-}
-
-/// What the worker has published last: immutable and cheap to clone.
-#[derive(Clone, Debug, Default)]
-pub struct Snapshot {
-    /// Counts the snapshots; grows with each.
-    pub serial: u64,
-    /// Grows with each new mesh: tells the viewport to upload it.
-    pub mesh_serial: u64,
-    /// Where the solve stands.
-    pub stage: Stage,
-    /// Asked to pause; rows and sweeps rest.
-    pub paused: bool,
-    /// Of the whole solve, 0 to 1; while a model is read or cut into patches, of that alone.
-    pub fraction: f64,
-    /// Estimate of the time left of the same, seconds.
-    pub seconds_left: Option<f64>,
-    /// Rows computed and rows in all.
-    pub rows: (usize, usize),
-    /// The present scene; stays when opening another fails.
-    pub scene: Option<Arc<Scene>>,
-    /// The same as it was read, without what [`Session::set_lamps`] has changed.
-    pub read: Option<Arc<Scene>>,
-    /// Its patches.
-    pub mesh: Option<Arc<PatchMesh>>,
-    /// What is simulated.
-    pub plan: Option<Arc<EffectPlan>>,
-    /// Computes rows, for a look at one.
-    pub computer: Option<Arc<RowComputer>>,
-    /// All form factors, once they are there.
-    pub transport: Option<Arc<dyn Transport>>,
-    /// The present picture, a luminaire each.
-    pub bases: Option<Arc<LightBases>>,
-    /// While rows arrive, the radiosity that they have not passed on yet, a luminaire each.
-    pub unshot: Option<Arc<LightBases>>,
-    /// Reflectance of every patch as solved for.
-    pub reflectance: Arc<Vec<[f32; 3]>>,
-    /// One report a sweep of the present solve.
-    pub sweeps: Arc<Vec<SweepReport>>,
-    /// Seconds by stage.
-    pub timings: Timings,
-    /// What the last request recomputed: "materials: 0 rows, 3 sweeps, 40 ms".
-    pub last_change: String,
-    /// Why the last request failed, in one sentence; `None` once a request succeeds. A scene or settings
-    /// that were refused leave the present scene and its stage whole.
-    pub error: Option<String>,
-    /// Settings in force.
-    pub settings: SolveSettings,
-}
-
-impl Snapshot {
-    /// The finished solve, once it has converged.
-    pub fn solved(&self) -> Option<Solved> {
-        (self.stage == Stage::Converged).then_some(())?;
-        Some(Solved {
-            scene: self.scene.clone()?,
-            mesh: self.mesh.clone()?,
-            plan: self.plan.clone()?,
-            computer: self.computer.clone()?,
-            transport: self.transport.clone()?,
-            bases: self.bases.clone()?,
-            reflectance: self.reflectance.clone(),
-            sweeps: self.sweeps.to_vec(),
-            timings: self.timings,
-        })
-    }
 }
 
 struct Shared {
@@ -366,7 +301,10 @@ impl Worker<'_> {
         let edit_of =
             |material: u32| edits.iter().rev().find(|e| e.material == material).map(|e| e.reflectance);
         let reflectance = patch_reflectance(&prepared.mesh, &edit_of);
-        self.snapshot.reflectance = Arc::new(reflectance.iter().map(|r| r.map(|b| b as f32)).collect());
+        if let Some(solution) = self.snapshot.solution_mut() {
+            solution.set_reflectance(&reflectance);
+            solution.settings.clone_from(&self.state.settings);
+        }
         let system = system(&prepared, &reflectance);
         self.state.edits = edits;
 
@@ -390,7 +328,9 @@ impl Worker<'_> {
             self.state.rows = rows.into_iter().map(Some).collect();
             let transport = assembled?;
             self.state.transport = Some(transport.clone());
-            self.snapshot.transport = Some(transport);
+            if let Some(solution) = self.snapshot.solution_mut() {
+                solution.transport = Some(transport);
+            }
             self.snapshot.unshot = None;
         }
         let transport = self.state.transport.clone().ok_or(Failure::Cancelled)?;
@@ -400,14 +340,16 @@ impl Worker<'_> {
             run.sweeps(&prepared, transport.as_ref(), &system, start.as_deref(), tolerance)
         })?;
         todo.sweeps = sweeps.len();
-        if todo.rows > 0 {
-            let plan = solve::measured(&prepared, system.lamps, &self.snapshot.timings);
-            self.snapshot.plan = Some(Arc::new(plan));
-        }
+        let timings = self.snapshot.timings;
+        let plan = (todo.rows > 0).then(|| solve::measured(&prepared, system.lamps, &timings));
         let bases = Arc::new(bases);
         self.state.bases = Some(bases.clone());
-        self.snapshot.bases = Some(bases);
-        self.snapshot.sweeps = Arc::new(sweeps);
+        if let Some(solution) = self.snapshot.solution_mut() {
+            (solution.bases, solution.sweeps, solution.timings) = (bases, sweeps, timings);
+            if let Some(plan) = plan {
+                solution.plan = Arc::new(plan);
+            }
+        }
         (self.snapshot.fraction, self.snapshot.seconds_left) = (1.0, None);
         Ok(todo)
     }
@@ -493,7 +435,6 @@ impl Worker<'_> {
         } else {
             self.state.rows = Vec::new();
             self.state.transport = None;
-            self.snapshot.transport = None;
         }
         // The light of the same scene stays, and is refined on its new patches.
         let light = self.state.scene.as_ref().filter(|old| Arc::ptr_eq(old, &scene)).and_then(|_| {
@@ -506,16 +447,15 @@ impl Worker<'_> {
         }
         let Timings { mesh, plan, .. } = prepared.timings;
         self.snapshot.timings = Timings { mesh, plan, ..timings };
-        self.snapshot.scene = Some(scene);
-        self.snapshot.mesh = Some(prepared.mesh.clone());
-        self.snapshot.plan = Some(prepared.plan.clone());
-        self.snapshot.computer = Some(prepared.computer.clone());
+        let mut solution = Solution::new(&prepared, &wanted.settings);
+        solution.transport.clone_from(&self.state.transport);
+        if let Some(bases) = &self.state.bases {
+            solution.bases.clone_from(bases);
+        }
+        self.snapshot.solution = Some(Arc::new(solution));
         self.snapshot.mesh_serial += 1;
-        (self.snapshot.bases, self.snapshot.unshot) = (self.state.bases.clone(), None);
-        self.snapshot.sweeps = Arc::default();
+        self.snapshot.unshot = None;
         self.snapshot.error.clone_from(&self.refused);
-        self.snapshot.reflectance =
-            Arc::new(prepared.mesh.patches.iter().map(|p| p.reflectance.map(|b| b as f32)).collect());
         self.snapshot.settings = wanted.settings.clone();
         self.state.prepared = Some(prepared);
         self.publish(Stage::Meshing);
@@ -538,12 +478,17 @@ impl Worker<'_> {
             self.snapshot.seconds_left = progress.seconds_left;
             self.snapshot.rows = progress.rows;
             self.snapshot.timings = progress.timings;
-            if !progress.sweeps.is_empty() {
-                self.snapshot.sweeps = Arc::new(progress.sweeps.to_vec());
-            }
-            if let Some(picture) = progress.picture() {
-                self.snapshot.bases = Some(Arc::new(picture));
+            let picture = progress.picture();
+            if picture.is_some() {
                 self.snapshot.unshot = progress.unshot().map(Arc::new);
+            }
+            if let Some(solution) = self.snapshot.solution_mut() {
+                if !progress.sweeps.is_empty() {
+                    solution.sweeps = progress.sweeps.to_vec();
+                }
+                if let Some(picture) = picture {
+                    solution.bases = Arc::new(picture);
+                }
             }
             self.publish(progress.stage);
             // A scene is read and cut all the same: there is to be something to look at.

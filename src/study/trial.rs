@@ -2,7 +2,7 @@
 
 use crate::effects::Effect;
 use crate::form_factors::{Method, ReceivingPoints, RowComputer, Sampling};
-use crate::solve::{Prepared, Solved};
+use crate::solve::{Prepared, Solution};
 use crate::transport::{LANES, Transport};
 use rayon::prelude::*;
 use std::time::Instant;
@@ -63,8 +63,11 @@ pub struct Pace {
 }
 
 /// Measures the pace of a scene that was solved by so many lines, in some tens of milliseconds.
-pub fn pace(solved: &Solved, lines: u32) -> Pace {
-    Pace { overhead: row_overhead(solved, lines), gathering: gathering(solved.transport.as_ref()) }
+pub fn pace(solved: &Solution, lines: u32) -> Pace {
+    Pace {
+        overhead: row_overhead(solved, lines),
+        gathering: solved.transport.as_deref().map_or(0.0, gathering),
+    }
 }
 
 /// The shortest of some gatherings over the first rows.
@@ -88,7 +91,7 @@ fn gathering(transport: &dyn Transport) -> f64 {
 /// What one row of a solved scene costs besides its lines, as lines: with t and T the times of some rows
 /// by n and by 4 n lines, (4 n + x) / (n + x) = T / t. Takes `lines` as 4 n, where those are not too few, nor so many that
 /// receiving points are chosen otherwise. Runs on the calling thread, for some fifty rows.
-fn row_overhead(solved: &Solved, lines: u32) -> f64 {
+fn row_overhead(solved: &Solution, lines: u32) -> f64 {
     let visibility = solved.plan.is_on(Effect::Visibility);
     let few = if lines >= TIMES * FEWEST { (lines / TIMES).min(MOST) } else { lines };
     let computers = [few, TIMES * few].map(|lines| {

@@ -249,7 +249,7 @@ impl Microscope {
         if serial != snapshot.mesh_serial {
             return news;
         }
-        let matrix = MatrixId(snapshot.transport.as_ref().map(Arc::downgrade));
+        let matrix = MatrixId(snapshot.transport().map(Arc::downgrade));
         let wake = || {
             let ctx = ctx.clone();
             move || ctx.request_repaint()
@@ -257,8 +257,8 @@ impl Microscope {
         let inside = |patch: &u32| (*patch as usize) < shown.prepared.mesh.patches.len();
         if let Some(patch) = patch.filter(inside) {
             let key = (serial, matrix.clone(), u64::from(patch));
-            let balanced = snapshot.transport.clone().map(RowSource::Balanced);
-            let source = balanced.or_else(|| snapshot.computer.clone().map(RowSource::Sampled));
+            let balanced = snapshot.transport().cloned().map(RowSource::Balanced);
+            let source = balanced.or_else(|| snapshot.computer().cloned().map(RowSource::Sampled));
             if let Some(source) = source.filter(|_| self.inspection.is_open(&key)) {
                 let prepared = Arc::clone(shown.prepared);
                 self.inspection.ask(&key, move || Inspection::look(&prepared, &source, patch), wake());
@@ -268,7 +268,7 @@ impl Microscope {
         if maps_wanted && self.maps.is_open(&key) {
             let source = MapSource {
                 prepared: Arc::clone(shown.prepared),
-                transport: snapshot.transport.clone(),
+                transport: snapshot.transport().cloned(),
                 unshot: snapshot.unshot.clone(),
                 reflectance: Arc::clone(shown.reflectance),
                 light: shown.light.clone(),

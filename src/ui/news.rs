@@ -75,7 +75,7 @@ impl App {
             && self.snapshot.error.is_none();
         if !told.is_empty() && (has_converged || *told != before.last_change) {
             self.last_change.clone_from(told);
-            if let Some(scene) = &self.snapshot.scene {
+            if let Some(scene) = self.snapshot.scene() {
                 // A path would fill the line.
                 self.last_change = told.replace(&scene.source.to_string(), &scene.name);
             }

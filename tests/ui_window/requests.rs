@@ -222,7 +222,7 @@ fn a_model_on_its_side_in_inches_is_set_right_with_one_click() {
     wait_until(&mut harness, "the model is read again", |_| opened(&worker).len() == 1);
     let sidecar = std::fs::read_to_string(model.with_extension("toml")).expect("written");
     assert!(sidecar.contains("unit = \"in\"") && sidecar.contains("up = \"z\""), "{sidecar}");
-    assert!(solution_of(&model).scene.as_ref().is_some_and(|scene| {
+    assert!(solution_of(&model).scene().is_some_and(|scene| {
         (scene.bounds().size().z - 3.0).abs() < 1.0 && scene.findings.iter().all(|f| f.remedy.is_none())
     }));
 }
