@@ -7,5 +7,6 @@ mod threads;
 mod wanted;
 mod worker;
 
+pub use recompute::Recompute;
 pub use snapshot::Snapshot;
 pub use worker::{MaterialEdit, Session};

@@ -1,5 +1,6 @@
 //! What the worker publishes.
 
+use super::recompute::Recompute;
 use crate::effects::EffectPlan;
 use crate::form_factors::RowComputer;
 use crate::mesh::PatchMesh;
@@ -34,8 +35,8 @@ pub struct Snapshot {
     pub unshot: Option<Arc<LightBases>>,
     /// Seconds by stage of the present request.
     pub timings: Timings,
-    /// What the last request recomputed: "materials: 0 rows, 3 sweeps, 40 ms".
-    pub last_change: String,
+    /// What the last request recomputed.
+    pub last_change: Option<Recompute>,
     /// Why the last request failed, in one sentence; `None` once a request succeeds. A scene or settings
     /// that were refused leave the present scene and its stage whole.
     pub error: Option<String>,

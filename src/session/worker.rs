@@ -232,7 +232,8 @@ impl Worker<'_> {
             match outcome {
                 Ok(Ok(done)) => {
                     if self.refused.is_none() || done.mesh {
-                        self.snapshot.last_change = done.sentence(&wanted, clock.elapsed().as_secs_f64());
+                        self.snapshot.last_change =
+                            Some(Recompute { seconds: clock.elapsed().as_secs_f64(), ..done });
                     }
                     self.snapshot.error = self.refused.take();
                     self.settle(if done.unlit { Stage::Unlit } else { Stage::Converged });

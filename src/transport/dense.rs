@@ -7,6 +7,8 @@ use crate::geometry::Frame;
 use crate::watch::{self, Watch};
 use rayon::prelude::*;
 use std::ops::Range;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
 
 /// The form factors of all pairs of patches that see each other, as exchange areas S_ij = A_i F_ij, row by
 /// row.
@@ -22,6 +24,7 @@ pub struct DenseTransport {
     areas: Vec<f64>,
     quality: Vec<RowQuality>,
     report: AssembleReport,
+    passes: Arc<AtomicU64>,
 }
 
 /// What [`DenseTransport::assemble`] did.
@@ -116,6 +119,7 @@ impl DenseTransport {
             areas: mesh.patches.iter().map(|p| p.area).collect(),
             quality: Vec::with_capacity(n),
             report: AssembleReport::default(),
+            passes: Arc::default(),
         };
         matrix.offsets.push(0);
         let (mut gap, mut mean) = (0.0, 0.0);
@@ -249,6 +253,7 @@ impl Transport for DenseTransport {
         irradiance: &mut [Lanes],
         cancelled: Cancelled,
     ) {
+        self.passes.fetch_add(1, Ordering::Relaxed);
         let first = rows.start;
         irradiance[..rows.len()].par_iter_mut().enumerate().with_min_len(UNWATCHED).for_each(
             |(k, arriving)| {
@@ -266,6 +271,7 @@ impl Transport for DenseTransport {
         cancelled: Cancelled,
         update: &mut dyn FnMut(usize, Lanes, f64) -> Lanes,
     ) {
+        self.passes.fetch_add(1, Ordering::Relaxed);
         for i in 0..self.areas.len() {
             if i % UNWATCHED == 0 && cancelled() {
                 return;
@@ -311,6 +317,10 @@ impl Transport for DenseTransport {
 
     fn report(&self) -> &AssembleReport {
         &self.report
+    }
+
+    fn passes(&self) -> u64 {
+        self.passes.load(Ordering::Relaxed)
     }
 
     fn entries(&self) -> usize {
@@ -503,8 +513,7 @@ mod tests {
     use crate::form_factors::{Method, ReceivingPoints, Sampling};
     use crate::mesh::{MeshSettings, PatchTarget, build};
     use crate::scene::{SceneSource, load};
-    use std::sync::Arc;
-    use std::sync::atomic::{AtomicUsize, Ordering};
+    use std::sync::atomic::AtomicUsize;
 
     fn sampled() -> (RowComputer, Vec<Row>) {
         let scene = load(&SceneSource::Builtin("cornell".to_owned())).expect("embedded");

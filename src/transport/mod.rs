@@ -69,6 +69,9 @@ pub trait Transport: std::fmt::Debug + Send + Sync {
     /// What sampling and balancing found over all rows.
     fn report(&self) -> &AssembleReport;
 
+    /// How often it was asked to gather or to relax so far: what is free of charge does neither.
+    fn passes(&self) -> u64;
+
     /// Values stored.
     fn entries(&self) -> usize;
 

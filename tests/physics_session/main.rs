@@ -9,7 +9,7 @@ use lumenwalk::form_factors::Method;
 use lumenwalk::mesh::{PatchTarget, Refinement};
 use lumenwalk::scene::SceneSource;
 use lumenwalk::session::{MaterialEdit, Session, Snapshot};
-use lumenwalk::solve::{SolveSettings, Stage};
+use lumenwalk::solve::{Solution, SolveSettings, Stage};
 use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -17,18 +17,16 @@ use std::sync::mpsc::channel;
 use std::time::Duration;
 use watched::{Held, Watched, coarse};
 
-/// Rows and sweeps out of a sentence such as "materials: 0 rows, 3 sweeps, 40 ms".
+/// Rows and sweeps of the last request.
 #[track_caller]
 fn recomputed(snapshot: &Snapshot) -> (usize, usize) {
-    // Thousands are set apart.
-    let sentence = snapshot.last_change.replace(", ", " ").replace(',', "");
-    let words: Vec<&str> = sentence.split(' ').collect();
-    let before = |name: &str| -> usize {
-        let at = words.iter().position(|w| *w == name).unwrap_or_else(|| panic!("{words:?}"));
-        let number = words[..at].iter().rev().find_map(|w| w.parse().ok());
-        number.unwrap_or_else(|| panic!("{words:?}"))
-    };
-    (before("rows"), before("sweeps"))
+    let done = snapshot.last_change.expect("a request was answered");
+    (done.rows, done.sweeps)
+}
+
+/// Rows computed and passes over the transport made so far, whoever asked for them.
+fn work(solution: &Solution) -> (u64, u64) {
+    (solution.computer.rows_computed(), solution.transport.as_ref().expect("whole").passes())
 }
 
 #[test]
@@ -36,6 +34,9 @@ fn a_switched_lamp_recomputes_nothing() {
     let watched = Watched::coarse();
     let snapshot = watched.open_builtin("hemicube");
     let solution = snapshot.solved().expect("it has converged");
+    let done = work(&solution);
+    let patches = solution.mesh.patches.len() as u64;
+    assert!(done.0 >= patches && done.1 >= 2 * solution.sweeps.len() as u64, "the solve counts: {done:?}");
     let mut lighting = solution.scene.lighting();
     let before = solution.light(&lighting);
     lighting.lamps[0].on = !lighting.lamps[0].on;
@@ -45,6 +46,10 @@ fn a_switched_lamp_recomputes_nothing() {
     assert_eq!(before, solution.light(&lighting), "and shows no more once undone");
     let now = watched.session.latest();
     assert_eq!(now.serial, snapshot.serial, "the worker has not stirred");
+    assert_eq!(work(&solution), done, "no row, no pass");
+    // A point asked about costs one row.
+    solution.irradiance_at(&[(solution.mesh.patches[0].centre, solution.mesh.patches[0].normal)], &after);
+    assert_eq!(work(&solution), (done.0 + 1, done.1));
 }
 
 #[test]
@@ -88,8 +93,8 @@ fn a_reflectance_costs_sweeps_and_no_row() {
     watched.session.set_materials(&scene, vec![edit]);
     let edited = watched.converged(&first);
     let (rows, sweeps) = recomputed(&edited);
-    assert_eq!(rows, 0, "{}", edited.last_change);
-    assert!(sweeps > 0, "{}", edited.last_change);
+    assert_eq!(rows, 0, "{:?}", edited.last_change);
+    assert!(sweeps > 0, "{:?}", edited.last_change);
     assert!(Arc::ptr_eq(edited.transport().unwrap(), first.transport().unwrap()));
     assert_eq!(edited.mesh_serial, first.mesh_serial);
 
@@ -116,8 +121,8 @@ fn a_tolerance_costs_no_row_and_a_patch_size_all() {
     watched.session.set_settings(SolveSettings { tolerance: asked, ..coarse(3000) });
     let finer = watched.converged(&first);
     let (rows, sweeps) = recomputed(&finer);
-    assert_eq!(rows, 0, "{}", finer.last_change);
-    assert!(sweeps > 0, "{}", finer.last_change);
+    assert_eq!(rows, 0, "{:?}", finer.last_change);
+    assert!(sweeps > 0, "{:?}", finer.last_change);
     let bound = finer.sweeps().last().unwrap().error_bound;
     assert!(bound <= asked, "{bound}, asked for {asked}, before {reached}");
     assert_eq!(finer.settings.tolerance, asked, "the window shows what is in force");
@@ -126,7 +131,7 @@ fn a_tolerance_costs_no_row_and_a_patch_size_all() {
     let smaller = watched.converged(&finer);
     let patches = smaller.mesh().unwrap().patches.len();
     assert!(patches > first.mesh().unwrap().patches.len());
-    assert_eq!(recomputed(&smaller).0, patches, "{}", smaller.last_change);
+    assert_eq!(recomputed(&smaller).0, patches, "{:?}", smaller.last_change);
 
     // Another method computes rows anew over the same patches.
     watched.session.set_settings(SolveSettings {
@@ -135,7 +140,7 @@ fn a_tolerance_costs_no_row_and_a_patch_size_all() {
         ..coarse(3500)
     });
     let by_rays = watched.converged(&smaller);
-    assert_eq!(recomputed(&by_rays).0, patches, "{}", by_rays.last_change);
+    assert_eq!(recomputed(&by_rays).0, patches, "{:?}", by_rays.last_change);
 }
 
 #[test]
@@ -198,14 +203,18 @@ fn a_file_read_again_keeps_its_rows_while_its_geometry_stays() {
     watched.session.open(write_room(folder.path(), 0.7, 0.0));
     let repainted = watched.converged(&first);
     let (rows, sweeps) = recomputed(&repainted);
-    assert_eq!(rows, 0, "{}", repainted.last_change);
-    assert!(sweeps > 0 && repainted.last_change.contains("rows kept"), "{}", repainted.last_change);
+    assert_eq!(rows, 0, "{:?}", repainted.last_change);
+    assert!(
+        sweeps > 0 && repainted.last_change.is_some_and(|done| done.kept_rows),
+        "{:?}",
+        repainted.last_change
+    );
     let mean = |s: &Snapshot| -> f32 { s.bases().unwrap().values.iter().sum() };
     assert!(mean(&repainted) > 1.2 * mean(&first), "the new paint shows");
 
     watched.session.open(write_room(folder.path(), 0.7, 0.1));
     let moved = watched.converged(&repainted);
-    assert_eq!(recomputed(&moved).0, moved.mesh().unwrap().patches.len(), "{}", moved.last_change);
+    assert_eq!(recomputed(&moved).0, moved.mesh().unwrap().patches.len(), "{:?}", moved.last_change);
 }
 
 #[test]
@@ -223,7 +232,7 @@ fn a_missing_file_leaves_the_present_scene() {
     // And it can still be worked with.
     watched.repaint(0, [0.2; 3]);
     let edited = watched.converged(&failed);
-    assert_eq!(recomputed(&edited).0, 0, "{}", edited.last_change);
+    assert_eq!(recomputed(&edited).0, 0, "{:?}", edited.last_change);
     assert_eq!(edited.error, None);
 }
 
@@ -300,7 +309,7 @@ fn an_edit_while_rows_come_keeps_those_that_are_there_and_a_rest_costs_no_time()
     watched.session.resume();
     let end = watched.converged(&resting);
     let (rows, _) = recomputed(&end);
-    assert!(rows + there <= resting.rows.1 && rows > 0, "{there} were there, {}", end.last_change);
+    assert!(rows + there <= resting.rows.1 && rows > 0, "{there} were there, {:?}", end.last_change);
     assert!(end.timings.solve() < (clock.elapsed() - rest).as_secs_f64(), "{:?}", end.timings);
 
     // As if nothing had come between.
@@ -382,7 +391,7 @@ fn a_request_while_rows_are_balanced_computes_none_again() {
     held.watched.repaint(0, [0.2; 3]);
     held.go_on();
     let end = held.watched.until("convergence", |s| s.stage == Stage::Converged);
-    assert_eq!(recomputed(&end).0, 0, "{}", end.last_change);
+    assert_eq!(recomputed(&end).0, 0, "{:?}", end.last_change);
     assert!(end.reflectance().unwrap().contains(&[0.2; 3]));
     assert!(end.sweeps().last().unwrap().error_bound <= 1e-4);
 }
@@ -414,7 +423,7 @@ fn a_refused_file_takes_nothing_with_it_that_was_asked_for_beside_it() {
     let end = held.watched.until("answer", |s| s.stage == Stage::Converged && s.error.is_some());
     assert!(end.error.as_deref().is_some_and(|e| e.contains("file.obj")), "{:?}", end.error);
     assert_eq!((&end.settings, &held.watched.session.settings()), (&by_hemicube, &by_hemicube));
-    assert_eq!(recomputed(&end).0, end.rows.1, "{}", end.last_change);
+    assert_eq!(recomputed(&end).0, end.rows.1, "{:?}", end.last_change);
     assert!(!Arc::ptr_eq(end.transport().unwrap(), first.transport().unwrap()));
     assert!(end.reflectance().unwrap().contains(&[0.2; 3]), "the paint too");
 }
@@ -434,7 +443,7 @@ fn refused_settings_are_wanted_no_more() {
     watched.session.set_settings(by_hemicube.clone());
     let end = watched.converged(&refused);
     assert_eq!((&end.settings, &end.error), (&by_hemicube, &None));
-    assert_eq!(recomputed(&end).0, end.rows.1, "{}", end.last_change);
+    assert_eq!(recomputed(&end).0, end.rows.1, "{:?}", end.last_change);
 }
 
 #[test]

@@ -6,6 +6,7 @@ use egui::{Key, Modifiers};
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable as _;
 use lumenwalk::scene::illuminance;
+use lumenwalk::session::Recompute;
 use lumenwalk::solve::Stage;
 use lumenwalk::solver::LightBases;
 use lumenwalk::ui::{App, Motion, Quantity, ShadingMode};
@@ -483,7 +484,7 @@ fn what_the_worker_said_once_gives_way_to_what_is_switched() {
     let worker = Counting::showing(solved());
     let mut harness = window(&worker, false);
     worker.publish(|s| {
-        s.last_change = "materials: 0 rows, 3 sweeps, 40 ms".to_owned();
+        s.last_change = Some(Recompute { sweeps: 3, seconds: 0.04, ..Recompute::default() });
         s.stage = Stage::Rows;
     });
     harness.run_steps(3);
