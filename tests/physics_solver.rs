@@ -21,7 +21,7 @@ fn cube() -> Model {
 
 /// Patches that see something; what lies under a box sees nothing, and stays dark.
 fn lit(made: &Assembled) -> Vec<usize> {
-    (0..made.patches().len()).filter(|&i| made.form_factors.row_sum(i) > 0.0).collect()
+    (0..made.patches().len()).filter(|&i| made.transport.row_sum(i) > 0.0).collect()
 }
 
 #[test]
@@ -231,7 +231,7 @@ fn check_eight_sweeps(name: &str, made: &Assembled, system: &System) {
     let mut solver = made.solver(system);
     let mut report = solver.report(system);
     for _ in 0..8 {
-        report = solver.sweep(&made.form_factors, system, &|| false).expect("not cancelled");
+        report = solver.sweep(made.transport.as_ref(), system, &|| false).expect("not cancelled");
     }
     let bases = solver.bases(system);
     let columns = system.columns();

@@ -6,7 +6,7 @@
 
 use super::System;
 use crate::mesh::PatchMesh;
-use crate::transport::FormFactors;
+use crate::transport::Transport;
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 use std::collections::BTreeMap;
@@ -39,9 +39,9 @@ impl Aggregates {
     ///
     /// What sees mostly each other holds almost the same error: the inside of a lamp's housing comes
     /// together before it joins the room outside.
-    pub(super) fn new(mesh: &PatchMesh, form_factors: &FormFactors) -> Self {
+    pub(super) fn new(mesh: &PatchMesh, transport: &dyn Transport) -> Self {
         let parts = Self::parts(mesh);
-        let mut graph = Exchange::between(&parts, form_factors);
+        let mut graph = Exchange::between(&parts, transport);
         let mut part_in: Vec<u32> = (0..parts.count as u32).collect();
         let most = (mesh.patches.len() / 6).clamp(AGGREGATES[0], AGGREGATES[1]);
         while graph.areas.len() > most {
@@ -127,28 +127,24 @@ struct Exchange {
 }
 
 impl Exchange {
-    fn between(parts: &Aggregates, form_factors: &FormFactors) -> Self {
+    fn between(parts: &Aggregates, transport: &dyn Transport) -> Self {
         let mut members: Vec<Vec<usize>> = vec![Vec::new(); parts.count];
         for (i, &part) in parts.of_patch.iter().enumerate() {
             members[part as usize].push(i);
         }
+        let add_row = transport.coarsen(&parts.of_patch);
         let rows = members
             .par_iter()
             .enumerate()
             .map_init(
                 || vec![0.0; parts.count],
                 |sums, (own, members)| {
-                    for &i in members {
-                        let (columns, values) = form_factors.row(i);
-                        for (&j, &s) in columns.iter().zip(values) {
-                            sums[parts.of_patch[j as usize] as usize] += f64::from(s);
-                        }
-                    }
+                    members.iter().for_each(|&i| add_row(i, sums));
                     Self::take_row(sums, own)
                 },
             )
             .collect();
-        let areas = members.iter().map(|m| m.iter().map(|&i| form_factors.area(i)).sum()).collect();
+        let areas = members.iter().map(|m| m.iter().map(|&i| transport.area(i)).sum()).collect();
         Self { rows, areas }
     }
 
@@ -253,10 +249,11 @@ pub(super) struct PowerBalance {
 }
 
 impl PowerBalance {
-    pub(super) fn new(form_factors: &FormFactors, system: &System, aggregates: &Aggregates) -> Self {
+    pub(super) fn new(transport: &dyn Transport, system: &System, aggregates: &Aggregates) -> Self {
         const CHUNKS: usize = 8;
         let (n, k) = (system.patches(), aggregates.count);
         let size = n.div_ceil(CHUNKS).max(1);
+        let add_row = transport.coarsen(&aggregates.of_patch);
         // Chunks of fixed borders, added in order: the same bits whatever the thread count.
         let partial: Vec<Vec<Vec<f64>>> = (0..n.div_ceil(size))
             .into_par_iter()
@@ -266,15 +263,12 @@ impl PowerBalance {
                 for i in chunk * size..((chunk + 1) * size).min(n) {
                     seen.fill(0.0);
                     // What sees nothing keeps B = E, and must not soak up the correction.
-                    if !form_factors.sees(i) {
+                    if !transport.sees(i) {
                         continue;
                     }
-                    let (columns, values) = form_factors.row(i);
-                    for (&j, &s) in columns.iter().zip(values) {
-                        seen[aggregates.of_patch[j as usize] as usize] += f64::from(s);
-                    }
+                    add_row(i, &mut seen);
                     let own = aggregates.of_patch[i] as usize;
-                    seen[own] += form_factors.diagonal(i);
+                    seen[own] += transport.own(i);
                     for (band, sum) in sums.iter_mut().enumerate() {
                         let rho = system.reflectance[i][band];
                         let row = &mut sum[own * k..(own + 1) * k];
