@@ -3,6 +3,7 @@
 //! [`FormFactors::assemble`] makes the rows reciprocal, replaces what one centre point gets wrong about
 //! close neighbours by closed forms, and closes the power balance.
 
+mod balancing;
 mod dense;
 mod near;
 mod quality;
