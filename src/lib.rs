@@ -10,6 +10,8 @@ pub mod scene;
 pub mod mesh;
 pub mod effects;
 pub mod visibility;
+pub mod emitters;
+pub mod direct;
 pub mod form_factors;
 pub mod transport;
 pub mod solver;

@@ -172,6 +172,25 @@ impl Bvh {
         }
     }
 
+    /// Calls `found` with the index of each triangle whose leaf is reached by going into the boxes that `enter`
+    /// takes, always in the same order.
+    pub fn select(&self, enter: impl Fn(&Aabb) -> bool, mut found: impl FnMut(u32)) {
+        let mut stack = Vec::with_capacity(MAX_DEPTH);
+        stack.extend((!self.nodes.is_empty()).then_some(0_u32));
+        while let Some(index) = stack.pop() {
+            let node = &self.nodes[index as usize];
+            if !enter(&node.bounds) {
+                continue;
+            }
+            if node.count == 0 {
+                stack.extend([node.first, index + 1]);
+            } else {
+                let leaf = node.first as usize..(node.first + node.count) as usize;
+                self.order[leaf].iter().for_each(|&id| found(id));
+            }
+        }
+    }
+
     /// Calls `found` for each nearer and nearer hit; it returns the new limit, or `None` to stop.
     fn walk(&self, ray: &Ray, min: f64, mut max: f64, mut found: impl FnMut(Hit) -> Option<f64>) {
         if self.nodes.is_empty() {

@@ -177,6 +177,7 @@ pub fn build_on(
             mesh.contacts.push(contacts);
             groups
         };
+        mesh.convex.append(index as u32, outline);
         // 2. One patch per group and lit side; none where another surface lies on the back.
         mark_backed(&mut mesh, sheets, index);
         for side in [Side::Front, Side::Back] {

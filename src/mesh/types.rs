@@ -1,4 +1,5 @@
 use super::backing::Backing;
+use super::convex_parts::ConvexParts;
 use crate::geometry::{Aabb, Frame};
 use crate::scene::grouped;
 use glam::{DVec2, DVec3};
@@ -148,6 +149,8 @@ pub struct PatchMesh {
     pub piece_lists: Vec<u32>,
     /// Large convex parts of surfaces by falling area: what hides most of a scene. Corners, metres.
     pub blockers: Vec<Vec<DVec3>>,
+    /// All surfaces as convex polygons.
+    pub convex: ConvexParts,
     /// For each region the segments, in its plane coordinates, along which other surfaces stand on
     /// it: the light may jump there. Empty where regions were not cut along them.
     pub contacts: Vec<Vec<[DVec2; 2]>>,

@@ -1,0 +1,245 @@
+//! Direct irradiance at a point, exactly: each emitter's outline less what hides it.
+
+use super::Clipper;
+use super::fan::Fan;
+use super::obstacles::Obstacles;
+use super::shaft::Shaft;
+use crate::emitters::Emitters;
+use crate::mesh::PatchMesh;
+use glam::DVec3;
+
+/// The emitters of a scene and all that stands before them.
+#[derive(Clone, Debug)]
+pub struct DirectLight {
+    emitters: Emitters,
+    obstacles: Obstacles,
+    /// What is nearer to a plane counts as in it, metres.
+    thickness: f64,
+}
+
+/// What may hide each emitter from a cell; emitters that give it nothing are left out.
+#[derive(Clone, Debug, Default)]
+pub struct Views {
+    /// Emitter and where its obstacles end in `obstacles`.
+    sources: Vec<(u32, u32)>,
+    obstacles: Vec<u32>,
+}
+
+/// Working memory of one thread.
+#[derive(Clone, Debug, Default)]
+pub struct Scratch {
+    clipper: Clipper,
+    fan: Fan,
+    shaft: Shaft,
+    outline: Vec<DVec3>,
+    relative: Vec<DVec3>,
+    found: Vec<u32>,
+}
+
+/// What is nearer to a plane than this share of the scene's size counts as in it.
+const THICKNESS: f64 = 2e-7;
+/// What is left of an outline in more fragments is looked at by half-planes.
+const MOST_FRAGMENTS: usize = 64;
+/// What so many obstacles may hide is looked at by rays, so many along each edge of its outline.
+const MOST_OBSTACLES: usize = 512;
+const RAYS: u32 = 16;
+
+impl Views {
+    /// Whether nothing shines there.
+    pub fn is_dark(&self) -> bool {
+        self.sources.is_empty()
+    }
+
+    /// How many emitters may be seen.
+    pub fn emitters(&self) -> usize {
+        self.sources.len()
+    }
+
+    /// Whether all of them are seen wholly.
+    pub fn is_clear(&self) -> bool {
+        self.obstacles.is_empty()
+    }
+
+    /// Each emitter with what may hide it.
+    fn iter(&self) -> impl Iterator<Item = (u32, &[u32])> {
+        let mut start = 0;
+        self.sources.iter().map(move |&(source, end)| {
+            (source, &self.obstacles[std::mem::replace(&mut start, end as usize)..end as usize])
+        })
+    }
+}
+
+impl DirectLight {
+    /// The lamps of a mesh and its surfaces.
+    pub fn new(mesh: &PatchMesh) -> Self {
+        Self {
+            emitters: Emitters::new(mesh),
+            obstacles: Obstacles::new(mesh),
+            thickness: THICKNESS * mesh.size,
+        }
+    }
+
+    /// What sends out light.
+    pub fn emitters(&self) -> &Emitters {
+        &self.emitters
+    }
+
+    /// What a convex cell with a unit normal, metres, may see of the emitters.
+    pub fn views(&self, cell: &[DVec3], normal: DVec3, scratch: &mut Scratch) -> Views {
+        let mut views = Views::default();
+        for source in 0..self.emitters.sources.len() as u32 {
+            let Scratch { shaft, found, .. } = scratch;
+            if !self.aim(source, cell, normal, shaft) {
+                continue;
+            }
+            self.obstacles.select(|bounds| shaft.meets(bounds), found);
+            self.keep(source, scratch, &mut views);
+        }
+        views
+    }
+
+    /// What a part of a cell may see, by what the whole may.
+    pub fn narrowed(&self, views: &Views, cell: &[DVec3], normal: DVec3, scratch: &mut Scratch) -> Views {
+        let mut narrowed = Views::default();
+        for (source, obstacles) in views.iter() {
+            if obstacles.is_empty() {
+                narrowed.sources.push((source, narrowed.obstacles.len() as u32));
+                continue;
+            }
+            if !self.aim(source, cell, normal, &mut scratch.shaft) {
+                continue;
+            }
+            scratch.found.clear();
+            scratch.found.extend_from_slice(obstacles);
+            self.keep(source, scratch, &mut narrowed);
+        }
+        narrowed
+    }
+
+    /// Whether some of an emitter may shine on a cell, and the shaft between them.
+    fn aim(&self, source: u32, cell: &[DVec3], normal: DVec3, shaft: &mut Shaft) -> bool {
+        let emitter = &self.emitters.sources[source as usize].emitter;
+        let hull = emitter.hull();
+        let is_above = |from: &DVec3| hull.iter().any(|to| normal.dot(*to - *from) > self.thickness);
+        if !cell.iter().any(is_above) {
+            return false;
+        }
+        let mut outline = Vec::new();
+        if !cell.iter().any(|&from| emitter.outline(from, &mut outline).is_some()) {
+            return false;
+        }
+        shaft.aim(cell, normal, hull);
+        true
+    }
+
+    /// Adds an emitter with those of the obstacles found that enter the shaft, unless one of them fills it.
+    fn keep(&self, source: u32, scratch: &Scratch, views: &mut Views) {
+        let emitter = &self.emitters.sources[source as usize].emitter;
+        let start = views.obstacles.len();
+        for &index in &scratch.found {
+            let obstacle = self.obstacles.get(index);
+            if emitter.is_part(obstacle.region) || !scratch.shaft.holds(&obstacle, self.thickness) {
+                continue;
+            }
+            if scratch.shaft.is_filled_by(&obstacle, self.thickness) {
+                views.obstacles.truncate(start);
+                return;
+            }
+            views.obstacles.push(index);
+        }
+        views.sources.push((source, views.obstacles.len() as u32));
+    }
+
+    /// Calls `add` with each basis and the irradiance that it gives at a point of the cell that `views` is of, W/m²
+    /// per W/m² of the lamp's exitance. The point's unit normal may differ from the cell's.
+    pub fn gather(
+        &self,
+        point: DVec3,
+        normal: DVec3,
+        views: &Views,
+        scratch: &mut Scratch,
+        mut add: impl FnMut(u32, f64),
+    ) {
+        for (source, obstacles) in views.iter() {
+            let value = self.irradiance(source, point, normal, obstacles, scratch);
+            if value > 0.0 {
+                for share in &self.emitters.sources[source as usize].shares {
+                    add(share.basis, share.factor * value);
+                }
+            }
+        }
+    }
+
+    fn irradiance(
+        &self,
+        source: u32,
+        point: DVec3,
+        normal: DVec3,
+        obstacles: &[u32],
+        scratch: &mut Scratch,
+    ) -> f64 {
+        let emitter = &self.emitters.sources[source as usize].emitter;
+        let Scratch { clipper, fan, outline, relative, .. } = scratch;
+        let Some(limit) = emitter.outline(point, outline) else { return 0.0 };
+        clipper.start(outline, normal);
+        if obstacles.len() > MOST_OBSTACLES {
+            let share = self.share_by_rays(source, point, clipper.fragments().flatten().copied());
+            return share * clipper.fragments().map(|f| emitter.irradiance(normal, f)).sum::<f64>();
+        }
+        for &index in obstacles {
+            let obstacle = self.obstacles.get(index);
+            relative.clear();
+            relative.extend(obstacle.corners.iter().map(|c| *c - point));
+            clipper.subtract(relative, obstacle.plane, limit, self.thickness);
+            if clipper.is_empty() {
+                return 0.0;
+            }
+            if clipper.count() > MOST_FRAGMENTS {
+                clipper.start(outline, normal);
+                let whole: Vec<DVec3> = clipper.fragments().flatten().copied().collect();
+                fan.start(&whole);
+                for &index in obstacles {
+                    let obstacle = self.obstacles.get(index);
+                    relative.clear();
+                    relative.extend(obstacle.corners.iter().map(|c| *c - point));
+                    fan.add(relative, obstacle.plane, limit, self.thickness);
+                }
+                return fan.visible_share(normal) * emitter.irradiance(normal, &whole);
+            }
+        }
+        clipper.fragments().map(|f| emitter.irradiance(normal, f)).sum()
+    }
+
+    /// The share of an outline that is seen, by rays to a grid over it.
+    fn share_by_rays(&self, source: u32, point: DVec3, outline: impl Iterator<Item = DVec3>) -> f64 {
+        let emitter = &self.emitters.sources[source as usize].emitter;
+        let corners: Vec<DVec3> = outline.collect();
+        let (mut whole, mut seen) = (0.0, 0.0);
+        for k in 1..corners.len().saturating_sub(1) {
+            let [a, b, c] = [corners[0], corners[k], corners[k + 1]];
+            let area = (b - a).cross(c - a).length();
+            let mut open = 0;
+            for i in 0..RAYS * RAYS {
+                // Square to triangle, evenly (Turk 1990).
+                let (u, v) = ((f64::from(i % RAYS) + 0.5) / f64::from(RAYS), f64::from(i / RAYS) + 0.5);
+                let (root, v) = (u.sqrt(), v / f64::from(RAYS));
+                let to = a * (1.0 - root) + b * (root * (1.0 - v)) + c * (root * v);
+                let hides = self.obstacles.hides(point, point + to, 5.0 * self.thickness, |obstacle| {
+                    !emitter.is_part(obstacle.region)
+                });
+                open += u32::from(!hides);
+            }
+            whole += area;
+            seen += area * f64::from(open) / f64::from(RAYS * RAYS);
+        }
+        if whole > 0.0 { seen / whole } else { 0.0 }
+    }
+
+    /// Irradiance at a free point from everything, as [`Self::gather`] gives it.
+    pub fn at(&self, point: DVec3, normal: DVec3, scratch: &mut Scratch, add: impl FnMut(u32, f64)) {
+        // A cell of no size: its shaft is the pyramid from the point.
+        let cell = [point; 3];
+        let views = self.views(&cell, normal, scratch);
+        self.gather(point, normal, &views, scratch, add);
+    }
+}

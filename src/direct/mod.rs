@@ -1,0 +1,15 @@
+//! Direct light: what the lamps give by themselves, with exact visibility.
+//!
+//! [`DirectLight`] gives it at a point. What can stand between a cell and an emitter is looked for once per cell, in
+//! the shaft between the two, and narrowed as the cell is divided; at a point the emitter's outline is clipped by it
+//! and what is left is integrated in closed form. Half-planes stand in where that would leave too many fragments,
+//! rays where thousands of things may be in the way.
+
+mod clip;
+mod fan;
+mod light;
+mod obstacles;
+mod shaft;
+
+pub use clip::Clipper;
+pub use light::{DirectLight, Scratch, Views};

@@ -1,0 +1,99 @@
+//! What stands between receivers and emitters: the convex parts of all surfaces, under one tree of boxes.
+
+use crate::geometry::{Aabb, Bvh, Ray};
+use crate::mesh::PatchMesh;
+use glam::DVec3;
+
+/// A convex flat obstacle.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Obstacle<'a> {
+    /// Counter-clockwise as seen from where `plane` points.
+    pub(super) corners: &'a [DVec3],
+    /// Unit normal.
+    pub(super) plane: DVec3,
+    pub(super) region: u32,
+}
+
+/// All obstacles, the largest first.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Obstacles {
+    corners: Vec<DVec3>,
+    /// Where each one's corners start; one more at the end.
+    starts: Vec<u32>,
+    planes: Vec<DVec3>,
+    regions: Vec<u32>,
+    bounds: Vec<Aabb>,
+    tree: Bvh,
+    /// Over the obstacles as triangles, with the obstacle that each is a part of.
+    triangles: Bvh,
+    owners: Vec<u32>,
+}
+
+impl Obstacles {
+    pub(super) fn new(mesh: &PatchMesh) -> Self {
+        let convex = &mesh.convex;
+        let mut ranked: Vec<(f64, usize)> = (0..convex.parts.len())
+            .map(|k| (crate::geometry::polygon::area_vector(convex.polygon(k)).length(), k))
+            .filter(|(area, _)| *area > 0.0)
+            .collect();
+        ranked.sort_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
+        let mut all = Self { starts: vec![0], ..Self::default() };
+        let mut triangles = Vec::new();
+        for (index, (_, part)) in ranked.into_iter().enumerate() {
+            let region = convex.parts[part].region;
+            let polygon = convex.polygon(part);
+            all.corners.extend_from_slice(polygon);
+            all.starts.push(all.corners.len() as u32);
+            all.planes.push(mesh.regions[region as usize].frame.normal);
+            all.regions.push(region);
+            all.bounds.push(Aabb::around(polygon.iter().copied()));
+            for k in 1..polygon.len() - 1 {
+                triangles.push([polygon[0], polygon[k], polygon[k + 1]]);
+                all.owners.push(index as u32);
+            }
+        }
+        // A triangle without area that has the box of the polygon.
+        let boxes: Vec<[DVec3; 3]> = all.bounds.iter().map(|b| [b.min, b.max, b.max]).collect();
+        all.tree = Bvh::build(&boxes);
+        all.triangles = Bvh::build(&triangles);
+        all
+    }
+
+    pub(super) fn get(&self, index: u32) -> Obstacle<'_> {
+        let k = index as usize;
+        Obstacle {
+            corners: &self.corners[self.starts[k] as usize..self.starts[k + 1] as usize],
+            plane: self.planes[k],
+            region: self.regions[k],
+        }
+    }
+
+    /// Fills `found` with those whose boxes `enter` takes, the largest first.
+    pub(super) fn select(&self, enter: impl Fn(&Aabb) -> bool, found: &mut Vec<u32>) {
+        found.clear();
+        self.tree.select(&enter, |index| {
+            if enter(&self.bounds[index as usize]) {
+                found.push(index);
+            }
+        });
+        found.sort_unstable();
+    }
+
+    /// Whether one that `counts` stands between two points, each end left out by `margin`, metres.
+    pub(super) fn hides(
+        &self,
+        from: DVec3,
+        to: DVec3,
+        margin: f64,
+        counts: impl Fn(Obstacle<'_>) -> bool,
+    ) -> bool {
+        let direction = to - from;
+        let length = direction.length();
+        if length <= 2.0 * margin {
+            return false;
+        }
+        let ray = Ray { origin: from, direction: direction / length };
+        let accept = |triangle: u32| counts(self.get(self.owners[triangle as usize]));
+        self.triangles.occluded_where(&ray, margin, length - margin, accept)
+    }
+}

@@ -1,0 +1,152 @@
+//! The lamps of a scene as emitters.
+
+use super::{ConvexBody, Emitter, Face};
+use crate::mesh::{NO_PATCH, PatchMesh, Side};
+use glam::DVec3;
+use std::collections::{BTreeMap, HashMap};
+use std::sync::Arc;
+
+/// Direct light that is kept by itself: it switches and dims as one, and takes one colour.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Basis {
+    /// Index into the scene's luminaires.
+    pub lamp: u32,
+    /// What the lamp's output counts in each band, 0 to 1.
+    pub weight: [f64; 3],
+}
+
+/// What an emitter adds to a basis.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Share {
+    /// Index into [`Emitters::bases`].
+    pub basis: u32,
+    /// Its exitance for a unit of the basis.
+    pub factor: f64,
+}
+
+/// An emitter and where its light is kept.
+#[derive(Clone, Debug)]
+pub struct Source {
+    /// What it is.
+    pub emitter: Arc<dyn Emitter>,
+    /// One share, or one for each band.
+    pub shares: Vec<Share>,
+}
+
+/// All that sends out light.
+#[derive(Clone, Debug, Default)]
+pub struct Emitters {
+    /// What is kept of it; those of a lamp stand together, and lamps in their order.
+    pub bases: Vec<Basis>,
+    /// What sends it out.
+    pub sources: Vec<Source>,
+}
+
+/// Surfaces that lie back to back are nearer to each other than this share of the scene's size.
+const THICKNESS: f64 = 2e-7;
+
+/// The faces of one lamp that send out light of one colour.
+type Coloured = Vec<([f64; 3], Vec<(Vec<DVec3>, u32)>)>;
+
+impl Emitters {
+    /// The lamps of a mesh.
+    pub fn new(mesh: &PatchMesh) -> Self {
+        let mut lamps: BTreeMap<u32, Coloured> = BTreeMap::new();
+        let mut parts = mesh.convex.parts.iter().enumerate().peekable();
+        for (index, region) in mesh.regions.iter().enumerate() {
+            let mut own = Vec::new();
+            while let Some((part, _)) = parts.next_if(|(_, part)| part.region as usize == index) {
+                own.push(part);
+            }
+            for side in [Side::Front, Side::Back] {
+                let pieces = || mesh.pieces[region.pieces.start as usize..region.pieces.end as usize].iter();
+                let shining = |patch: u32| {
+                    let patch = mesh.patches.get(patch as usize)?;
+                    Some((patch.luminaire?, patch.emission_weight))
+                };
+                let Some((lamp, weight)) = pieces().find_map(|p| shining(p.patches[side as usize])) else {
+                    continue;
+                };
+                let is_whole = pieces().all(|p| p.patches[side as usize] != NO_PATCH);
+                let mut polygons: Vec<Vec<DVec3>> = if is_whole {
+                    own.iter().map(|&part| mesh.convex.polygon(part).to_vec()).collect()
+                } else {
+                    let lit = pieces().filter(|p| p.patches[side as usize] != NO_PATCH);
+                    lit.map(|p| mesh.polygon(p, Side::Front)).collect()
+                };
+                if side == Side::Back {
+                    polygons.iter_mut().for_each(|polygon| polygon.reverse());
+                }
+                let colours = lamps.entry(lamp).or_default();
+                let at = colours.iter().position(|known| known.0 == weight).unwrap_or_else(|| {
+                    colours.push((weight, Vec::new()));
+                    colours.len() - 1
+                });
+                colours[at].1.extend(polygons.into_iter().map(|polygon| (polygon, index as u32)));
+            }
+        }
+        let mut all = Self::default();
+        for (lamp, colours) in lamps {
+            all.add(lamp, colours, THICKNESS * mesh.size);
+        }
+        all
+    }
+
+    fn add(&mut self, lamp: u32, colours: Coloured, thickness: f64) {
+        let first = self.bases.len() as u32;
+        let is_one = colours.len() == 1;
+        match is_one {
+            true => self.bases.push(Basis { lamp, weight: colours[0].0 }),
+            false => {
+                let band = |b: usize| std::array::from_fn(|k| f64::from(u8::from(k == b)));
+                self.bases.extend((0..3).map(|b| Basis { lamp, weight: band(b) }));
+            }
+        }
+        for (weight, faces) in colours {
+            let shares: Vec<Share> = match is_one {
+                true => vec![Share { basis: first, factor: 1.0 }],
+                false => (0..3)
+                    .map(|b| Share { basis: first + b as u32, factor: weight[b] })
+                    .filter(|share| share.factor > 0.0)
+                    .collect(),
+            };
+            for group in joined(faces, thickness) {
+                match ConvexBody::new(&group) {
+                    Some(body) => {
+                        self.sources.push(Source { emitter: Arc::new(body), shares: shares.clone() })
+                    }
+                    None => self.sources.extend(group.into_iter().map(|(corners, region)| Source {
+                        emitter: Arc::new(Face::new(corners, region, thickness)),
+                        shares: shares.clone(),
+                    })),
+                }
+            }
+        }
+    }
+}
+
+/// Faces that are joined by corners, group by group in the order of their first faces.
+fn joined(faces: Vec<(Vec<DVec3>, u32)>, tolerance: f64) -> Vec<Vec<(Vec<DVec3>, u32)>> {
+    let mut leader: Vec<usize> = (0..faces.len()).collect();
+    fn root(leader: &mut [usize], mut k: usize) -> usize {
+        while leader[k] != k {
+            leader[k] = leader[leader[k]];
+            k = leader[k];
+        }
+        k
+    }
+    let mut owner: HashMap<[i64; 3], usize> = HashMap::new();
+    for (f, (corners, _)) in faces.iter().enumerate() {
+        for corner in corners {
+            let key = (*corner / (10.0 * tolerance)).round().to_array().map(|x| x as i64);
+            let other = *owner.entry(key).or_insert(f);
+            let (a, b) = (root(&mut leader, f), root(&mut leader, other));
+            leader[a.max(b)] = a.min(b);
+        }
+    }
+    let mut groups: BTreeMap<usize, Vec<(Vec<DVec3>, u32)>> = BTreeMap::new();
+    for (f, face) in faces.into_iter().enumerate() {
+        groups.entry(root(&mut leader, f)).or_default().push(face);
+    }
+    groups.into_values().collect()
+}
