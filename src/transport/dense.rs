@@ -45,6 +45,9 @@ pub struct AssembleReport {
 
 /// Row sums within this of one count as closed: what rounding leaves of a row.
 const CLOSED: f64 = 2e-5;
+/// A row that sums to less than this in a sealed scene is that of a patch under something: the rest is sides that
+/// no light reaches.
+const UNDER: f64 = 0.5;
 /// Within this of one a row may owe the rest to seams: closed forms change it only where rays along its
 /// surface leave.
 const NEARLY_CLOSED: f64 = 2e-3;
@@ -254,7 +257,7 @@ fn row_target(
     sealed: bool,
 ) -> f64 {
     let mesh = computer.mesh();
-    if sealed && sum > 0.0 {
+    if sealed && sum > UNDER {
         // What lines miss of facets thinner than they stand apart is no opening.
         return 1.0;
     }
