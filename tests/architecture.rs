@@ -18,13 +18,19 @@ const ROOMS: &[(&str, &str)] = &[
     ("solver", "transport form_factors effects mesh scene geometry watch"),
     ("accuracy", "solver transport form_factors visibility effects mesh scene geometry"),
     ("solve", "accuracy solver transport direct emitters form_factors effects mesh scene geometry watch"),
-    ("session", "solve accuracy solver transport direct emitters form_factors effects mesh scene geometry watch"),
+    (
+        "session",
+        "solve accuracy solver transport direct emitters form_factors effects mesh scene geometry watch",
+    ),
     ("validate", "solve accuracy solver transport direct emitters form_factors effects mesh scene geometry"),
     ("display", "direct emitters mesh scene geometry"),
     ("navigation", "mesh scene geometry"),
     ("render", "navigation display direct mesh scene geometry"),
     ("export", ""),
-    ("outputs", "export render navigation display solver direct emitters form_factors effects mesh scene geometry"),
+    (
+        "outputs",
+        "export render navigation display solver direct emitters form_factors effects mesh scene geometry",
+    ),
     (
         "study",
         "export display solve accuracy solver transport direct emitters form_factors effects mesh scene geometry watch",

@@ -70,6 +70,7 @@ pub(super) fn report(
             mean_reciprocity: solved.assembled().mean_reciprocity,
             balance_passes: solved.assembled().passes,
             imbalance: solved.assembled().imbalance,
+            kept: solved.assembled().kept,
         },
         effects: solved
             .plan

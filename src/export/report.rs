@@ -176,6 +176,9 @@ pub struct FormFactorReport {
     pub balance_passes: usize,
     /// Largest relative deviation of a row sum from its target after them.
     pub imbalance: f64,
+    /// Share of the balanced exchange that patches keep to themselves, since those that they see cannot take
+    /// it up.
+    pub kept: f64,
 }
 
 /// One line of the effect plan.

@@ -260,7 +260,8 @@ impl RowComputer {
         }
         let points = self.open_points(patch, at, covered);
         if points.is_empty() {
-            self.gather(p.centre, frame, turn_of(patch), purpose, scratch);
+            // All of it looks at sides that no light reaches, and sees what little is lit beside them alone.
+            self.gather(p.centre, frame, turn_of(patch), Purpose::FreePoint, scratch);
             return scratch.row.take();
         }
         let count = points.len() as f64;

@@ -1,5 +1,6 @@
 //! Every pair of patches that see each other: sparse, reciprocal and closed.
 
+use super::balancing::{Balancing, Scaling};
 use super::quality::PairGaps;
 use super::{Cancelled, Coarsened, LANES, Lanes, RowQuality, Transport, near};
 use crate::form_factors::{Row, RowComputer};
@@ -14,7 +15,8 @@ use std::sync::atomic::{AtomicU64, Ordering};
 /// row.
 ///
 /// S is symmetric to the last bit, so that what i sends to j is what j would send to i. What
-/// single precision rounds off a row's sum is kept on the diagonal in double precision.
+/// single precision rounds off a row's sum, and what no other patch can take up, is kept on the diagonal in
+/// double precision.
 #[derive(Clone, Debug, Default)]
 pub struct DenseTransport {
     offsets: Vec<usize>,
@@ -40,32 +42,27 @@ pub struct AssembleReport {
     pub close_pairs: usize,
     /// Scaling passes until the power balance closed.
     pub passes: usize,
-    /// Largest deviation of a row sum from its target after them.
+    /// Largest deviation of a row sum from its target after them; at most 1e-7.
     pub imbalance: f64,
+    /// Share of the balanced exchange that patches keep to themselves, since those that they see cannot take
+    /// it up: 1e-8 where none has to, more where rows contradict each other.
+    pub kept: f64,
 }
 
 /// Row sums within this of one count as closed: what rounding leaves of a row.
 const CLOSED: f64 = 2e-5;
+/// A row that sums to less than this in a sealed scene is that of a patch under something: the rest is sides that
+/// no light reaches.
+const UNDER: f64 = 0.5;
 /// Within this of one a row may owe the rest to seams: closed forms change it only where rays along its
 /// surface leave.
 const NEARLY_CLOSED: f64 = 2e-3;
 /// What closed forms leave open beyond this is no rounding of theirs.
 const GAP: f64 = 5e-4;
-/// Scaling stops at this deviation of row sums, or after that many passes.
-const BALANCED: f64 = 1e-7;
-const MOST_PASSES: usize = 40;
-const USUAL_PASSES: f64 = 10.0;
 /// Shares of the time by which close pairs, rows joined from both sides and the sums of rows are done, about.
 const PAIRED: f64 = 0.5;
 const JOINED: f64 = 0.7;
 const TARGETED: f64 = 0.8;
-/// Steps of the logarithms of scales, and what is kept of the step before (the heavy ball of Polyak 1964).
-/// The matrix of their linear equations, 1 + F, has eigenvalues between 0, where two patches see but each
-/// other, and 2. These are the best for 0.4 to 2, where those of rooms lie: half the passes of plain steps.
-const STEP: f64 = 0.955;
-const MOMENTUM: f64 = 0.146;
-/// A patch that sees less than this is buried (under a box, say): it takes no part.
-const BURIED: f64 = 1e-6;
 /// Rows assembled by one task.
 const BLOCK: usize = 256;
 /// Leaves room for the rounding of single precision below every row sum.
@@ -77,8 +74,8 @@ impl DenseTransport {
     /// 1. Each pair takes a mean of its two samples, in which the smaller patch counts for more; a lamp's
     ///    takes the receiver's, who sees it better.
     /// 2. Close pairs take closed forms times their visible fraction.
-    /// 3. A symmetric scaling (Sinkhorn & Knopp 1967) gives every row its sum: one where the point
-    ///    saw no opening, else what was sampled and then mended for close pairs.
+    /// 3. A symmetric scaling gives every row its sum: one where the point saw no opening, else what was
+    ///    sampled and then mended for close pairs.
     ///
     /// The rows are emptied once they are not needed any more, to make room for the matrix; before, they are
     /// left as they were.
@@ -135,46 +132,26 @@ impl DenseTransport {
         }
         let near_one = |s: &&f64| (**s - 1.0).abs() < 0.01;
         let worst_closure = sums.iter().filter(near_one).map(|s| (s - 1.0).abs()).fold(0.0, f64::max);
-        let (passes, imbalance) = matrix.balance(&targets, &mut watch.part(TARGETED, 1.0))?;
+        let scaling = matrix.balance(&targets, &mut watch.part(TARGETED, 1.0))?;
         matrix.report = AssembleReport {
             worst_closure,
             mean_reciprocity: if mean > 0.0 { gap / mean } else { 0.0 },
             several_points,
             close_pairs,
-            passes,
-            imbalance,
+            passes: scaling.passes,
+            imbalance: scaling.imbalance,
+            kept: scaling.kept,
         };
         Ok(matrix)
     }
 
     /// Scales rows and columns alike until row i of S sums to `targets[i]`.
-    fn balance(&mut self, targets: &[f64], watch: &mut Watch<'_>) -> Result<(usize, f64), watch::Cancelled> {
+    fn balance(&mut self, targets: &[f64], watch: &mut Watch<'_>) -> Result<Scaling, watch::Cancelled> {
+        let product = |i: usize, vector: &[f64]| self.dot(i, vector);
+        let scaling = Balancing::new(&product, &self.areas, targets).solve(watch)?;
+        let Scaling { scales: scale, sums, .. } = &scaling;
         let n = self.areas.len();
-        let buried = |i: usize| targets[i] <= BURIED * self.areas[i];
-        let mut scale: Vec<f64> = (0..n).map(|i| if buried(i) { 0.0 } else { 1.0 }).collect();
-        let mut steps = vec![0.0; n];
-        let mut passes = 0;
-        let mut imbalance;
-        let summed = |scale: &[f64], share: f64, watch: &mut Watch<'_>| {
-            watch.part(share, share).map(scale, |i, s| s * self.dot(i, scale))
-        };
-        loop {
-            // Imbalances fall by about the same factor every pass; most scenes need a quarter of the passes.
-            let share = passes as f64 / (passes as f64 + USUAL_PASSES);
-            let sums = summed(&scale, share, watch)?;
-            let ratio = |i: usize| if sums[i] > 0.0 { targets[i] / sums[i] } else { 1.0 };
-            imbalance = (0..n).map(|i| (sums[i] - targets[i]).abs() / self.areas[i]).fold(0.0, f64::max);
-            if imbalance < BALANCED || passes == MOST_PASSES {
-                break;
-            }
-            for (i, (s, step)) in scale.iter_mut().zip(&mut steps).enumerate() {
-                *step = STEP * f64::ln(ratio(i).clamp(0.25, 4.0)) + MOMENTUM * *step;
-                *s *= f64::exp(*step);
-            }
-            passes += 1;
-        }
         // No row may send out more than it has: what still exceeds its target is cut on both sides.
-        let sums = summed(&scale, 1.0, watch)?;
         let cut: Vec<f64> =
             (0..n).map(|i| if sums[i] > targets[i] { targets[i] / sums[i] } else { 1.0 }).collect();
         let offsets = &self.offsets;
@@ -205,7 +182,7 @@ impl DenseTransport {
             let target = targets[i] / HEADROOM;
             self.diagonal[i] = if sums[i] > 0.0 { (target - scaled[i]).max(0.0) } else { 0.0 };
         }
-        Ok((passes, imbalance))
+        Ok(scaling)
     }
 
     /// Row i of S times a vector.
@@ -351,7 +328,7 @@ fn row_target(
     sealed: bool,
 ) -> f64 {
     let mesh = computer.mesh();
-    if sealed && sum > 0.0 {
+    if sealed && sum > UNDER {
         // What lines miss of facets thinner than they stand apart is no opening.
         return 1.0;
     }

@@ -3,6 +3,7 @@
 //! Whoever solves, audits or inspects asks a [`Transport`]; nobody else holds rows. [`DenseTransport`]
 //! stores every pair of patches that see each other.
 
+mod balancing;
 mod dense;
 mod near;
 mod quality;

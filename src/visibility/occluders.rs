@@ -19,6 +19,9 @@ pub enum Viewer {
 /// Surfaces that lie back to back are nearer to each other than this share of the scene's diagonal.
 pub(crate) const THICKNESS: f64 = 2e-7;
 
+/// Edges of pieces that are shorter than this many cells bound nothing.
+const SHORTEST_EDGE: f64 = 1e-9;
+
 /// Everything that a receiving point can see, laid out for one pass per row.
 #[derive(Clone, Debug, Default)]
 pub struct Occluders {
@@ -142,6 +145,10 @@ impl Occluders {
                                 let b = (corners[(i + 1) % corners.len()].plane - region.grid_min)
                                     / region.cell_size;
                                 let inward = (b - a).perp();
+                                // Between two corners that are one but for rounding it points anywhere.
+                                if inward.length_squared() < SHORTEST_EDGE * SHORTEST_EDGE {
+                                    continue;
+                                }
                                 all.piece_edges.push([inward.x, inward.y, -inward.dot(a)]);
                             }
                             all.pieces.push(CellPiece {

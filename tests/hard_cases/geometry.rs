@@ -66,6 +66,14 @@ fn things_that_touch_or_nearly_touch() {
     picture.object("picture").quad("canvas", dvec3(0.001, 1.0, 1.0), DVec3::Y, DVec3::Z * 1.5);
     hold_model("a picture 1 mm before a wall", &picture, Kind::Closed);
 
+    // Most of what leaves the two sides of a narrow gap goes to and fro in it.
+    for gap in [0.02, 0.005] {
+        let mut tray = room();
+        let corner = dvec3(1.0, 2.9 - gap, 1.0);
+        tray.block("tray", "paint", corner, corner + dvec3(2.0, 0.1, 2.0));
+        hold_model(&format!("a tray {gap} m under the ceiling"), &tray, Kind::Closed);
+    }
+
     let mut flush = room();
     flush.object("second_lamp").quad("glow", dvec3(0.5, 3.0, 0.5), DVec3::X * 0.3, DVec3::Z * 0.3);
     hold_model("a lamp in the plane of the ceiling, which has no hole for it", &flush, Kind::Closed);

@@ -74,6 +74,9 @@ fn form_factors_hold(name: &str, made: &Assembled, kind: Kind) {
             assert!((sum - 1.0).abs() < 1e-6, "{}: the row sums to {sum}", place());
         }
     }
+    let told = made.transport.report();
+    assert!(told.imbalance <= 1e-7, "{name}: {told:?}");
+    assert!(kind == Kind::Open || told.kept < 1e-6, "{name}: rows contradict each other: {told:?}");
     let all = made.area(&made.of(|_| true));
     // What lies under something or within it, or in a room without a lamp.
     assert!(kind == Kind::Open || unseeing < 0.5 * all, "{name}: {unseeing} of {all} m2 see nothing");
