@@ -16,7 +16,7 @@ const ROOMS: &[(&str, &str)] = &[
     ("form_factors", "visibility effects mesh scene geometry watch"),
     ("transport", "form_factors mesh scene geometry watch"),
     ("solver", "transport form_factors effects mesh scene geometry watch"),
-    ("accuracy", "solver transport form_factors visibility effects mesh scene geometry"),
+    ("accuracy", "solver transport direct form_factors visibility effects mesh scene geometry"),
     ("solve", "accuracy solver transport direct emitters form_factors effects mesh scene geometry watch"),
     (
         "session",
@@ -33,7 +33,7 @@ const ROOMS: &[(&str, &str)] = &[
     ),
     (
         "study",
-        "export display solve accuracy solver transport direct emitters form_factors effects mesh scene geometry watch",
+        "outputs export display solve accuracy solver transport direct emitters form_factors effects mesh scene geometry watch",
     ),
     (
         "ui",

@@ -67,7 +67,7 @@ fn direct_light_agrees_with_shadow_rays_in_every_embedded_scene() {
         let mesh = meshed(name, patches);
         let lamps = mesh.patches.iter().filter_map(|p| p.luminaire).max().map_or(0, |l| l as usize + 1);
         let clock = Instant::now();
-        let light = DirectLight::new(&mesh);
+        let light = DirectLight::new(&mesh, true);
         let built = clock.elapsed().as_secs_f64();
         let bvh = Bvh::build(&mesh.triangles().0);
         let mut scratch = Scratch::default();
@@ -124,7 +124,7 @@ fn elements_follow_shadows() {
         ("builtin:house", 5000),
     ] {
         let mesh = meshed(name, patches);
-        let light = DirectLight::new(&mesh);
+        let light = DirectLight::new(&mesh, true);
         let exitance = vec![1.0; light.emitters().bases.len()];
         for error in [0.03, 0.01] {
             let settings = ElementSettings { error, most: 200_000, exitance: exitance.clone(), smooth: true };

@@ -40,8 +40,9 @@ impl Case {
     fn new(solved: Solution) -> Self {
         let lighting = solved.scene.lighting();
         let exitance = solved.mesh.patches.iter().map(|p| patch_emission(p, &lighting)).collect();
-        let display = DisplayMesh::build(&solved.mesh, &solved.scene, true);
-        let shown = study::shown(&solved.mesh, &display, &solved.light(&lighting).irradiance);
+        let elements = solved.element_light.as_ref().map(|light| &light.elements);
+        let display = DisplayMesh::build_on(&solved.mesh, &solved.scene, true, elements);
+        let shown = study::shown(&solved.mesh, &display, &solved.light(&lighting));
         Self { solved, exitance, shown }
     }
 

@@ -184,7 +184,8 @@ fn without_smooth_surfaces_the_audit_checks_the_faceted_picture() {
     let by_hand = |solved: &Solution, smooth: bool| {
         let mesh = &solved.mesh;
         let light = solved.light(&lighting);
-        let display = DisplayMesh::build(mesh, &solved.scene, smooth);
+        let elements = solved.element_light.as_ref().map(|light| &light.elements);
+        let display = DisplayMesh::build_on(mesh, &solved.scene, smooth, elements);
         let exitance: Vec<[f32; 3]> = mesh.patches.iter().map(|p| patch_emission(p, &lighting)).collect();
         let answer = Answer {
             mesh,
@@ -192,7 +193,7 @@ fn without_smooth_surfaces_the_audit_checks_the_faceted_picture() {
             light: &light,
             exitance: &exitance,
             reflectance: &solved.reflectance,
-            shown: &study::shown(mesh, &display, &light.irradiance),
+            shown: &study::shown(mesh, &display, &light),
         };
         Audit::new(answer).expect("lit").run(&asked, &|| false).expect("lit").budget
     };

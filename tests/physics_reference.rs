@@ -57,7 +57,8 @@ fn an_error_of_one_percent_asked_for_is_one_against_the_path_tracer() {
     let reached = reached.expect("solved");
     assert!(reached.met, "{}", reached.verdict);
     let (mesh, light) = (&reached.solved.mesh, reached.solved.light(&lighting));
-    let shown = study::shown(mesh, &DisplayMesh::build(mesh, &scene, true), &light.irradiance);
+    let elements = reached.solved.element_light.as_ref().map(|light| &light.elements);
+    let shown = study::shown(mesh, &DisplayMesh::build_on(mesh, &scene, true, elements), &light);
     let (triangles, pieces) = mesh.triangles();
     // What the picture shows at a point of a surface.
     let at = |point: DVec3, normal: DVec3| {
@@ -70,8 +71,8 @@ fn an_error_of_one_percent_asked_for_is_one_against_the_path_tracer() {
             let front = mesh.regions[mesh.pieces[pieces[index] as usize].region as usize].frame.normal;
             (is_inside && front.dot(normal).abs() > 0.999).then(|| {
                 let side = usize::from(front.dot(normal) < 0.0);
-                let corners = shown.faces[2 * index + side];
-                corners
+                let (face, weights) = shown.place(2 * index + side, weights).expect("lit");
+                shown.faces[face]
                     .iter()
                     .zip(weights)
                     .map(|(h, w)| w * luminance_weighted(h.map(f64::from)))

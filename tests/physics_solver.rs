@@ -359,7 +359,7 @@ fn a_mix_of_lamps_is_a_solve_with_those_lamps() {
         .enumerate()
         .map(|(i, h)| std::array::from_fn(|b| direct.exitance(i, b) as f32 + reflectance[i][b] * h[b]))
         .collect();
-    assert_same("mix and solve", &mix, &PatchLight { irradiance, radiosity }, 2e-6);
+    assert_same("mix and solve", &mix, &PatchLight { irradiance, radiosity, detail: None }, 2e-6);
 
     // Lamps alone add up, and off is dark.
     let with = |on: [bool; 2]| {
@@ -374,6 +374,7 @@ fn a_mix_of_lamps_is_a_solve_with_those_lamps() {
     let both = PatchLight {
         irradiance: sum(&one.irradiance, &two.irradiance),
         radiosity: sum(&one.radiosity, &two.radiosity),
+        detail: None,
     };
     assert_same("sum of lamps", &mix, &both, 1e-6);
     assert!(with([false, false]).radiosity.iter().flatten().all(|&b| b == 0.0));

@@ -71,12 +71,14 @@ struct Found {
 
 /// Gathers irradiance at points with unit normals (metres), and estimates the error of each.
 ///
-/// `computer` belongs to `answer.mesh`. The same input gives the same numbers
+/// `computer` belongs to `answer.mesh`. What the lamps give each point by themselves is taken from `direct` where it
+/// is known, W/m² per band, and gathered otherwise. The same input gives the same numbers
 /// whatever the number of threads; `seed` names the random choices.
 pub fn irradiance_at(
     answer: Answer<'_>,
     computer: &RowComputer,
     points: &[(DVec3, DVec3)],
+    direct: Option<&[[f64; 3]]>,
     seed: u64,
 ) -> Vec<PointIrradiance> {
     let Answer { mesh, light, exitance, reflectance, shown, .. } = answer;
@@ -90,7 +92,7 @@ pub fn irradiance_at(
             if own > 0.0 { witness.shown_mean(i as u32) / own - 1.0 } else { 0.0 }
         })
         .collect();
-    let check = Check { answer, computer, witness, rays, smoothing, seed };
+    let check = Check { answer, computer, direct, witness, rays, smoothing, seed };
     let senders = (SENDERS / points.len().max(1)).max(FEWEST_SENDERS);
     let found: Vec<Found> = points
         .par_iter()
@@ -112,6 +114,8 @@ pub fn irradiance_at(
 struct Check<'a> {
     answer: Answer<'a>,
     computer: &'a RowComputer,
+    /// What the lamps give by themselves at each point, W/m² per band, where that is known.
+    direct: Option<&'a [[f64; 3]]>,
     witness: Witness<'a>,
     /// Along the cosine, from a free point and from a point on a patch.
     rays: [u32; 2],
@@ -141,9 +145,14 @@ impl Check<'_> {
         let mut smoothing = 0.0;
         for (turn, sum) in turned.iter_mut().enumerate() {
             let share = turn as f64 / f64::from(TURNS);
+            if let Some(direct) = self.direct {
+                *sum = direct[index];
+            }
             self.computer.point_turned(point, normal, share, scratch, |patch, f| {
                 let b = radiosity[patch as usize];
-                (0..3).for_each(|band| sum[band] += f * f64::from(b[band]));
+                let emitted =
+                    if self.direct.is_some() { self.answer.exitance[patch as usize] } else { [0.0; 3] };
+                (0..3).for_each(|band| sum[band] += f * f64::from(b[band] - emitted[band]));
                 let own = f * (lum(b) - lum(self.answer.exitance[patch as usize]));
                 if turn == 0 && own > 0.0 {
                     smoothing += own * self.smoothing[patch as usize];

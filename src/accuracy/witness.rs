@@ -1,28 +1,39 @@
 //! Gathers irradiance by rays of its own against the true polygons.
 
 use super::sobol::Sobol;
+use crate::direct::{Elements, NO_ELEMENT};
 use crate::geometry::{Bvh, Frame, Ray};
 use crate::mesh::{NO_PATCH, PatchMesh};
 use crate::scene::luminance_weighted;
 use crate::solver::PatchLight;
 use glam::DVec3;
 use std::f64::consts::{PI, TAU};
+use std::sync::Arc;
 
 /// The irradiance that a picture shows, W/m² per band: a value at each corner of each side of each
-/// triangle of [`PatchMesh::triangles`], linear between them.
+/// triangle of [`PatchMesh::triangles`] or of its elements, linear between them.
 #[derive(Clone, Debug, Default)]
 pub struct Shown {
-    /// `faces[2 * triangle + side]`; zero on sides without a patch.
+    /// `faces[2 * triangle + side]`, zero on sides without a patch; where there are elements, one for each of them,
+    /// of which the undivided ones count.
     pub faces: Vec<[[f32; 3]; 3]>,
+    /// What the triangles are divided into.
+    pub elements: Option<Arc<Elements>>,
 }
 
 impl Shown {
+    /// Which face holds a place of a side of a triangle, and the weights of its corners there; by the weights of the
+    /// triangle's corners. `side` is `2 * triangle + side`. `None` on sides without a patch.
+    pub fn place(&self, side: usize, weights: [f64; 3]) -> Option<(usize, [f64; 3])> {
+        place(self.elements.as_deref(), side, weights)
+    }
+
     /// One value a patch: what a flat-shaded picture shows.
     pub fn flat(mesh: &PatchMesh, irradiance: &[[f32; 3]]) -> Self {
         let (_, pieces) = mesh.triangles();
         let value = |patch: u32| [irradiance.get(patch as usize).copied().unwrap_or_default(); 3];
         let faces = pieces.iter().flat_map(|&piece| mesh.pieces[piece as usize].patches.map(value)).collect();
-        Self { faces }
+        Self { faces, elements: None }
     }
 }
 
@@ -64,6 +75,7 @@ pub struct Witness<'a> {
     /// Luminance of irradiance and of reflected radiosity as shown, a face and corner each.
     shown: Vec<[f32; 3]>,
     shown_reflected: Vec<[f32; 3]>,
+    elements: Option<Arc<Elements>>,
     /// Patches that shine, with their power.
     lamps: Vec<(u32, f64)>,
     offset: f64,
@@ -111,7 +123,10 @@ impl<'a> Witness<'a> {
         let mut shown_lum = Vec::with_capacity(shown.faces.len());
         let mut shown_reflected = Vec::with_capacity(shown.faces.len());
         for (index, face) in shown.faces.iter().enumerate() {
-            let patch = mesh.pieces[pieces[index / 2] as usize].patches[index % 2];
+            let patch = match &shown.elements {
+                Some(elements) => elements.elements[index].patch,
+                None => mesh.pieces[pieces[index / 2] as usize].patches[index % 2],
+            };
             let rho = if patch == NO_PATCH { [0.0; 3] } else { at(reflectance, patch as usize) };
             shown_lum.push(face.map(|h| luminance_weighted(wide(h)) as f32));
             shown_reflected.push(face.map(|h| {
@@ -131,6 +146,7 @@ impl<'a> Witness<'a> {
             reflected: (0..n).map(|i| luminance_weighted(at(&light.radiosity, i)) - emitted(i)).collect(),
             shown: shown_lum,
             shown_reflected,
+            elements: shown.elements.clone(),
             lamps: (0..n)
                 .filter(|&i| emitted(i) > 0.0)
                 .map(|i| (i as u32, emitted(i) * mesh.patches[i].area))
@@ -147,28 +163,53 @@ impl<'a> Witness<'a> {
         };
         let [p, q, t] = self.triangles[triangle as usize];
         let side = self.mesh.patches[patch as usize].side as usize;
-        let shown = self.shown.get(2 * triangle as usize + side).copied().unwrap_or_default().map(f64::from);
-        (p * a + q * b + t * c, shown[0] * a + shown[1] * b + shown[2] * c)
+        let shown = self.interpolated(&self.shown, 2 * triangle as usize + side, [a, b, c]);
+        (p * a + q * b + t * c, shown)
     }
 
     /// Least and greatest irradiance that the picture shows on a patch, W/m² of luminance.
     pub fn shown_range(&self, patch: u32) -> [f64; 2] {
         let side = self.mesh.patches[patch as usize].side as usize;
-        let corners = self.triangles_of(patch).iter().flat_map(|&(t, _)| self.shown[2 * t as usize + side]);
-        corners.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], x| {
-            [low.min(f64::from(x)), high.max(f64::from(x))]
-        })
+        let mut range = [f64::INFINITY, f64::NEG_INFINITY];
+        for &(t, _) in self.triangles_of(patch) {
+            self.faces_of(2 * t as usize + side, |face, _| {
+                for x in self.shown[face].map(f64::from) {
+                    range = [range[0].min(x), range[1].max(x)];
+                }
+            });
+        }
+        range
     }
 
     /// Mean irradiance that the picture shows over a patch, W/m² of luminance; zero without triangles.
     pub fn shown_mean(&self, patch: u32) -> f64 {
         let side = self.mesh.patches[patch as usize].side as usize;
         let mut before = 0.0;
-        let parts = self.triangles_of(patch).iter().map(|&(t, share)| {
+        let mut sum = 0.0;
+        for &(t, share) in self.triangles_of(patch) {
             let part = share - std::mem::replace(&mut before, share);
-            part * self.shown[2 * t as usize + side].iter().map(|&h| f64::from(h)).sum::<f64>() / 3.0
+            self.faces_of(2 * t as usize + side, |face, own| {
+                sum += part * own * self.shown[face].iter().map(|&h| f64::from(h)).sum::<f64>() / 3.0;
+            });
+        }
+        sum
+    }
+
+    /// Calls `found` with each face of a side of a triangle, and what share of it that is.
+    fn faces_of(&self, side: usize, mut found: impl FnMut(usize, f64)) {
+        let Some(elements) = &self.elements else { return found(side, 1.0) };
+        let Some(&root) = elements.roots.get(side).filter(|&&root| root != NO_ELEMENT) else { return };
+        let whole = elements.area(&elements.elements[root as usize]).max(f64::MIN_POSITIVE);
+        elements.leaves_of(root, |leaf| {
+            found(leaf as usize, elements.area(&elements.elements[leaf as usize]) / whole);
         });
-        parts.sum()
+    }
+
+    /// What corner values come to at a place of a side of a triangle, by the weights of its corners.
+    fn interpolated(&self, values: &[[f32; 3]], side: usize, weights: [f64; 3]) -> f64 {
+        let Some((face, weights)) = place(self.elements.as_deref(), side, weights) else { return 0.0 };
+        let corners = values.get(face).copied().unwrap_or_default();
+        corners.iter().zip(weights).map(|(&value, weight)| f64::from(value) * weight).sum()
     }
 
     /// Whether the side of a triangle that a ray in this direction meets can be seen.
@@ -298,10 +339,10 @@ impl<'a> Witness<'a> {
             if other == NO_PATCH {
                 continue;
             }
-            let corners = self.shown_reflected[2 * hit.triangle as usize + back].map(f64::from);
             found.constant += each * self.reflected[other as usize];
-            found.shown +=
-                each * (corners[0] * (1.0 - hit.u - hit.v) + corners[1] * hit.u + corners[2] * hit.v);
+            let weights = [1.0 - hit.u - hit.v, hit.u, hit.v];
+            let side = 2 * hit.triangle as usize + back;
+            found.shown += each * self.interpolated(&self.shown_reflected, side, weights);
             let exitance = self.exitance[other as usize];
             if exitance > 0.0 {
                 let g = cosine * front.dot(direction).abs() / (PI * hit.distance * hit.distance);
@@ -341,4 +382,11 @@ impl<'a> Witness<'a> {
         }
         found
     }
+}
+
+fn place(elements: Option<&Elements>, side: usize, weights: [f64; 3]) -> Option<(usize, [f64; 3])> {
+    let Some(elements) = elements else { return Some((side, weights)) };
+    let root = *elements.roots.get(side).filter(|&&root| root != NO_ELEMENT)?;
+    let (leaf, weights) = elements.locate(root, weights);
+    Some((leaf as usize, weights))
 }

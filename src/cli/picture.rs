@@ -57,7 +57,8 @@ fn even(solved: &Solution) -> PatchLight {
 impl<'a> Studio<'a> {
     pub(super) fn new(solved: &'a Solution, lighting: &Lighting, light: &'a PatchLight) -> Self {
         let smooth = solved.plan.is_on(Effect::SmoothSurfaces);
-        let mesh = DisplayMesh::build(&solved.mesh, &solved.scene, smooth);
+        let elements = solved.element_light.as_ref().map(|light| &light.elements);
+        let mesh = DisplayMesh::build_on(&solved.mesh, &solved.scene, smooth, elements);
         let even = solved.scene.luminaires.is_empty().then(|| even(solved));
         Self {
             corners: StillLight::new(&mesh, even.as_ref().unwrap_or(light), Shading::Gouraud),

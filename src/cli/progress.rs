@@ -86,6 +86,7 @@ fn stage_name(stage: Stage) -> &'static str {
         Stage::Loading => "loading",
         Stage::Meshing => "meshing",
         Stage::FirstLight => "first light",
+        Stage::Elements => "direct light",
         Stage::Rows => "form factors",
         Stage::Balancing => "balancing",
         Stage::Sweeping => "sweeping",

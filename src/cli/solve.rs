@@ -12,7 +12,7 @@ use super::written::Written;
 use crate::display::{DisplayMesh, Shading};
 use crate::effects::Effect;
 use crate::export::{self, atomic, read_points};
-use crate::outputs::{LitScene, StillKind, save_patch_table};
+use crate::outputs::{LitScene, StillKind, in_detail, save_patch_table};
 use crate::scene::{self, Lighting, Scene, Severity, View};
 use crate::solve::{self, Control, Progress, Solution, SolveSettings};
 use crate::solver::PatchLight;
@@ -339,11 +339,14 @@ pub(super) fn summary(solved: &Solution, seconds: f64) -> String {
 
 /// Seconds that it takes from the lamps' bases to the smoothly shaded corners.
 fn display_seconds(solved: &Solution, lighting: &Lighting) -> f64 {
-    let display = DisplayMesh::build(&solved.mesh, &solved.scene, solved.plan.is_on(Effect::SmoothSurfaces));
+    let elements = solved.element_light.as_ref().map(|light| &light.elements);
+    let smooth = solved.plan.is_on(Effect::SmoothSurfaces);
+    let display = DisplayMesh::build_on(&solved.mesh, &solved.scene, smooth, elements);
     let clock = Instant::now();
     let light = solved.light(lighting);
     std::hint::black_box(light.power(&solved.mesh, &solved.reflectance));
-    let corners = display.corner_radiosity(&light.radiosity, &light.irradiance, Shading::Gouraud);
+    let detail = light.detail.as_deref().map(in_detail);
+    let corners = display.detailed_radiosity(&light.radiosity, &light.irradiance, detail, Shading::Gouraud);
     std::hint::black_box(corners);
     clock.elapsed().as_secs_f64()
 }

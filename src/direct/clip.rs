@@ -18,6 +18,8 @@ pub struct Clipper {
     rest: Vec<DVec3>,
     /// Twice the area of the outline above the horizon, m².
     extent: f64,
+    /// Corners nearer to a plane than this lie on it, metres.
+    on_plane: f64,
 }
 
 /// Polygons in one list of corners.
@@ -52,7 +54,7 @@ impl Polygons {
     }
 }
 
-/// A plane through the origin runs through a corner that is nearer to it than this share of its distance.
+/// A plane through the origin runs through a corner that is nearer to it than this share of the farthest one's distance.
 const ON_PLANE: f64 = 1e-12;
 /// Among more fragments than so many, those of less than this share of the outline's area are left out.
 const FEW: usize = 8;
@@ -63,7 +65,9 @@ impl Clipper {
     pub fn start(&mut self, outline: &[DVec3], normal: DVec3) {
         self.fragments.clear();
         self.inside.clear();
-        split(outline, normal, &mut self.inside, None);
+        let reach = outline.iter().map(|c| c.length_squared()).fold(0.0, f64::max);
+        self.on_plane = ON_PLANE * reach.sqrt();
+        split(outline, normal, self.on_plane, &mut self.inside, None);
         if self.inside.len() >= 3 {
             self.extent = extent(&self.inside);
             self.fragments.push(&self.inside);
@@ -105,7 +109,7 @@ impl Clipper {
         // 3. What lies outside of one of them is seen.
         self.cut.clear();
         for fragment in self.fragments.iter() {
-            let is_apart = |plane: &DVec3| fragment.iter().all(|c| plane.dot(*c) <= ON_PLANE * c.length());
+            let is_apart = |plane: &DVec3| fragment.iter().all(|c| plane.dot(*c) <= self.on_plane);
             if self.planes.iter().any(is_apart) {
                 self.cut.push(fragment);
                 continue;
@@ -117,7 +121,7 @@ impl Clipper {
             let mut other = &mut self.rest;
             for &plane in &self.planes {
                 other.clear();
-                split(left, plane, other, Some(&mut self.cut));
+                split(left, plane, self.on_plane, other, Some(&mut self.cut));
                 std::mem::swap(&mut left, &mut other);
                 if left.len() < 3 {
                     break;
@@ -154,10 +158,16 @@ fn extent(corners: &[DVec3]) -> f64 {
 }
 
 /// The part of a convex polygon where `plane · x >= 0`; the rest is added to `outside`, where that is asked for.
-fn split(polygon: &[DVec3], plane: DVec3, inside: &mut Vec<DVec3>, outside: Option<&mut Polygons>) {
+fn split(
+    polygon: &[DVec3],
+    plane: DVec3,
+    on_plane: f64,
+    inside: &mut Vec<DVec3>,
+    outside: Option<&mut Polygons>,
+) {
     let height = |c: DVec3| {
         let height = plane.dot(c);
-        if height.abs() <= ON_PLANE * c.length() { 0.0 } else { height }
+        if height.abs() <= on_plane { 0.0 } else { height }
     };
     let n = polygon.len();
     let Some(&last) = polygon.last() else { return };

@@ -93,6 +93,17 @@ impl Elements {
         self.elements.iter().filter(|element| element.children == NO_ELEMENT)
     }
 
+    /// Calls `found` with the undivided parts of an element.
+    pub fn leaves_of(&self, element: u32, mut found: impl FnMut(u32)) {
+        let mut stack = vec![element];
+        while let Some(at) = stack.pop() {
+            match self.elements[at as usize].children {
+                NO_ELEMENT => found(at),
+                children => stack.extend([children + 1, children]),
+            }
+        }
+    }
+
     /// Positions of the corners of an element, metres.
     pub fn positions(&self, element: &Element) -> [DVec3; 3] {
         element.corners.map(|corner| self.corners[corner as usize].position)

@@ -77,11 +77,11 @@ impl Views {
 }
 
 impl DirectLight {
-    /// The lamps of a mesh and its surfaces.
-    pub fn new(mesh: &PatchMesh) -> Self {
+    /// The lamps of a mesh and its surfaces; without `visibility` nothing stands before anything.
+    pub fn new(mesh: &PatchMesh, visibility: bool) -> Self {
         Self {
             emitters: Emitters::new(mesh),
-            obstacles: Obstacles::new(mesh),
+            obstacles: if visibility { Obstacles::new(mesh) } else { Obstacles::default() },
             thickness: THICKNESS * mesh.size,
         }
     }

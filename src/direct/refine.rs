@@ -30,6 +30,9 @@ const INSET: f64 = 1e-3;
 const FAINT: f64 = 0.1;
 /// Each pass divides the elements that make up so much of the squared error (Dörfler 1996).
 const BULK: f64 = 0.6;
+/// What hides the lamps from an element is looked for anew once it is so small a part of the one that it was looked
+/// for from.
+const NARROWED: f64 = 0.3;
 /// No edge is divided below this share of the scene's size.
 const SHORTEST: f64 = 2e-5;
 /// Passes at most.
@@ -42,6 +45,10 @@ struct Refinement<'a> {
     elements: Elements,
     /// What each element may see, and how wrong it is expected to be; of leaves alone.
     views: Vec<Arc<Views>>,
+    /// Area of the element that these were looked for from, m².
+    seen_from: Vec<f64>,
+    /// Triangles of the mesh.
+    whole: usize,
     errors: Vec<f64>,
     /// Corners in the middles of edges, by the corners at their ends; not all of them are in use.
     middles: HashMap<(u32, u32), u32>,
@@ -93,6 +100,8 @@ impl Elements {
             light,
             settings,
             errors: vec![0.0; elements.elements.len()],
+            seen_from: elements.elements.iter().map(|element| elements.area(element)).collect(),
+            whole: elements.elements.len(),
             elements,
             views,
             middles: HashMap::new(),
@@ -201,7 +210,9 @@ impl Refinement<'_> {
                 continue;
             }
             let element = self.elements.elements[index as usize];
-            for k in 0..3 {
+            // On the triangles of the mesh all three; further down the one that would become a corner.
+            let longest = self.longest_edge(index).0;
+            for k in (0..3).filter(|&k| k == longest || (index as usize) < self.whole) {
                 let next = first + wanted.len() as u32;
                 if *self.middles.entry(edge_key(&element, k)).or_insert(next) == next {
                     wanted.push((index, k));
@@ -249,17 +260,18 @@ impl Refinement<'_> {
         if views.is_dark() || self.mean <= 0.0 {
             return 0.0;
         }
-        let mut square = 0.0;
+        let (mut square, mut count) = (0.0, 0.0);
         let mut differs = false;
         for k in 0..3 {
             let Some(&middle) = self.middles.get(&edge_key(element, k)) else { continue };
             let ends = [element.corners[k], element.corners[(k + 1) % 3]];
             let (error, is_off) = self.difference(middle, ends);
-            square += error * error / 3.0;
+            square += error * error;
+            count += 1.0;
             differs |= is_off;
         }
         let area = self.elements.area(element);
-        let mut error = square * area;
+        let mut error = square / f64::max(count, 1.0) * area;
         if !differs && !views.is_clear() {
             error += self.light.possible_shadow(self.elements.positions(element), views);
         }
@@ -414,20 +426,25 @@ impl Refinement<'_> {
             parents.extend([parent; 2]);
             queue.extend([(children, parent), (children + 1, parent)]);
         }
-        // 4. What the new ones may see.
-        let narrowed: Vec<Arc<Views>> = self.elements.elements[first..]
+        // 4. What the new ones may see: looked for anew in a quarter of the area.
+        let narrowed: Vec<(Arc<Views>, f64)> = self.elements.elements[first..]
             .par_iter()
             .zip(&parents)
             .map_init(Scratch::default, |scratch, (element, &parent)| {
-                let views = &self.views[parent as usize];
-                if element.children != NO_ELEMENT || views.is_clear() {
-                    return views.clone();
+                let (views, seen_from) = (&self.views[parent as usize], self.seen_from[parent as usize]);
+                let area = self.elements.area(element);
+                if element.children != NO_ELEMENT || views.is_clear() || area > NARROWED * seen_from {
+                    return (views.clone(), seen_from);
                 }
                 let normal = mesh.patches[element.patch as usize].normal;
-                Arc::new(self.light.narrowed(views, &self.elements.positions(element), normal, scratch))
+                let cell = self.elements.positions(element);
+                (Arc::new(self.light.narrowed(views, &cell, normal, scratch)), area)
             })
             .collect();
-        self.views.extend(narrowed);
+        for (views, seen_from) in narrowed {
+            self.views.push(views);
+            self.seen_from.push(seen_from);
+        }
         self.errors.resize(self.elements.elements.len(), 0.0);
         fresh
     }

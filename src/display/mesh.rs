@@ -1,11 +1,14 @@
+use super::detail::{Detail, ElementCorners};
 use super::vertices::{ShadingVertices, region_normal};
 use super::weights::{PARALLEL_FROM, VertexWeights};
+use crate::direct::{Elements, NO_ELEMENT};
 use crate::mesh::{NO_PATCH, PatchMesh, Side};
 use crate::scene::Scene;
 use glam::{DVec3, Vec2, Vec3};
 use rayon::prelude::*;
 use std::collections::HashMap;
 use std::ops::Range;
+use std::sync::Arc;
 
 /// How patch values spread over the surfaces.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
@@ -28,8 +31,17 @@ pub struct DisplayCorner {
     pub uv: Vec2,
     /// The patch; [`NO_PATCH`] on a side that takes no part.
     pub patch: u32,
-    /// Index of the value that [`DisplayMesh::vertex_radiosity`] gives; 0 on a side without a patch.
-    pub vertex: u32,
+}
+
+/// Where the light of a lit corner comes from.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Source {
+    pub(super) patch: u32,
+    /// Values that [`DisplayMesh::vertex_radiosity`] gives, and how much each counts.
+    pub(super) vertices: [u32; 3],
+    pub(super) weights: [f32; 3],
+    /// The corner of the elements that it is; zero without elements.
+    pub(super) element: u32,
 }
 
 /// A range of lit triangles that share a texture.
@@ -73,13 +85,15 @@ pub struct DisplayMesh {
     pub unlit: Range<u32>,
     /// Patch borders as pairs of lit corners, each border once a side.
     pub edges: Vec<[u32; 2]>,
-    /// `faces[2 * t + side]` are the corners of triangle t of [`PatchMesh::triangles`], in its order.
+    /// The corners of triangles, in their order: without elements of triangle t of [`PatchMesh::triangles`] at
+    /// `2 * t + side`, else of each element.
     faces: Vec<[u32; 3]>,
+    elements: Option<Arc<Elements>>,
     /// Texture drawn on each patch; `None` where it is drawn plain.
     patch_textures: Vec<Option<u32>>,
     weights: VertexWeights,
-    /// Patch and vertex of each lit corner, close together in memory.
-    sources: Vec<[u32; 2]>,
+    /// One per lit corner.
+    sources: Vec<Source>,
     textured: Vec<TexturedPatch>,
     patches: usize,
 }
@@ -91,6 +105,11 @@ impl DisplayMesh {
     /// With `smooth`, vertices of neighbouring regions of one object and material are joined where
     /// the normals that the model gives agree; otherwise every region is shaded on its own.
     pub fn build(mesh: &PatchMesh, scene: &Scene, smooth: bool) -> Self {
+        Self::build_on(mesh, scene, smooth, None)
+    }
+
+    /// As [`Self::build`], with the elements of the mesh as triangles, where there are some.
+    pub fn build_on(mesh: &PatchMesh, scene: &Scene, smooth: bool, elements: Option<&Arc<Elements>>) -> Self {
         let bounds = scene.extent().main;
         let mut built = Self {
             origin: bounds.centre(),
@@ -102,11 +121,15 @@ impl DisplayMesh {
         let ShadingVertices { vertices, incidences, of_corner } = ShadingVertices::find(mesh, smooth);
         let centres: Vec<DVec3> = mesh.patches.iter().map(|p| p.centre).collect();
         built.weights = VertexWeights::build(&vertices, incidences, &centres);
-        let blocks = built.add_corners(mesh, smooth, &of_corner);
-        built.add_triangles(mesh, &blocks);
-        built.add_edges(mesh, &blocks);
-        let lit = &built.corners[..built.lit_corners];
-        built.sources = lit.iter().map(|corner| [corner.patch, corner.vertex]).collect();
+        let places = match elements {
+            Some(elements) => {
+                built.elements = Some(Arc::clone(elements));
+                built.add_elements(mesh, elements, &of_corner)
+            }
+            None => built.add_corners(mesh, smooth, &of_corner),
+        };
+        built.add_triangles(mesh, &places);
+        built.add_edges(mesh, &places);
         built
     }
 
@@ -131,54 +154,91 @@ impl DisplayMesh {
         }
     }
 
-    /// Makes the corners, lit ones first. Returns where those of each piece start: `2 * piece + side`.
+    /// Makes the corners, lit ones first. Returns which one each corner of a piece is, on each side: `2 * corner + side`.
     fn add_corners(&mut self, mesh: &PatchMesh, smooth: bool, vertex_of_corner: &[u32]) -> Vec<u32> {
-        let mut blocks = vec![0_u32; 2 * mesh.pieces.len()];
-        for lit in [true, false] {
-            for (index, piece) in mesh.pieces.iter().enumerate() {
-                for side in [Side::Front, Side::Back] {
-                    let patch = piece.patches[side as usize];
-                    if (patch != NO_PATCH) != lit {
-                        continue;
-                    }
-                    blocks[2 * index + side as usize] = self.corners.len() as u32;
-                    for corner in piece.corners.start as usize..piece.corners.end as usize {
-                        let from = &mesh.corners[corner];
-                        let normal = if smooth { from.normal } else { region_normal(mesh, piece) };
-                        self.corners.push(DisplayCorner {
-                            position: (mesh.vertices[from.vertex as usize] - self.origin).as_vec3(),
-                            normal: (normal * side.sign()).as_vec3(),
-                            uv: from.uv.as_vec2(),
-                            patch,
-                            vertex: vertex_of_corner[2 * corner + side as usize],
-                        });
-                    }
+        let mut places = vec![0_u32; 2 * mesh.corners.len()];
+        self.add_sides(mesh, smooth, true, &mut places);
+        self.lit_corners = self.corners.len();
+        self.sources = vec![
+            Source { patch: 0, vertices: [0; 3], weights: [1.0, 0.0, 0.0], element: 0 };
+            self.lit_corners
+        ];
+        for piece in &mesh.pieces {
+            for side in [Side::Front, Side::Back] {
+                let patch = piece.patches[side as usize];
+                for corner in piece.corners.clone().filter(|_| patch != NO_PATCH) {
+                    let at = 2 * corner as usize + side as usize;
+                    let source = &mut self.sources[places[at] as usize];
+                    (source.patch, source.vertices) = (patch, [vertex_of_corner[at]; 3]);
                 }
             }
-            if lit {
-                self.lit_corners = self.corners.len();
-            }
         }
-        blocks
+        self.add_sides(mesh, smooth, false, &mut places);
+        places
     }
 
-    fn add_triangles(&mut self, mesh: &PatchMesh, blocks: &[u32]) {
+    /// Makes the corners of all sides that are lit, or of all that are not.
+    fn add_sides(&mut self, mesh: &PatchMesh, smooth: bool, lit: bool, places: &mut [u32]) {
+        for piece in &mesh.pieces {
+            for side in [Side::Front, Side::Back] {
+                let patch = piece.patches[side as usize];
+                if (patch != NO_PATCH) != lit {
+                    continue;
+                }
+                for corner in piece.corners.start as usize..piece.corners.end as usize {
+                    let from = &mesh.corners[corner];
+                    let normal = if smooth { from.normal } else { region_normal(mesh, piece) };
+                    places[2 * corner + side as usize] = self.corners.len() as u32;
+                    self.corners.push(DisplayCorner {
+                        position: (mesh.vertices[from.vertex as usize] - self.origin).as_vec3(),
+                        normal: (normal * side.sign()).as_vec3(),
+                        uv: from.uv.as_vec2(),
+                        patch,
+                    });
+                }
+            }
+        }
+    }
+
+    /// As [`Self::add_corners`], with those of elements on the lit sides.
+    fn add_elements(&mut self, mesh: &PatchMesh, elements: &Elements, vertex_of_corner: &[u32]) -> Vec<u32> {
+        let ElementCorners { corners, sources, faces, mut places } =
+            ElementCorners::new(mesh, elements, vertex_of_corner, self.origin);
+        (self.corners, self.sources, self.faces) = (corners, sources, faces);
+        self.lit_corners = self.corners.len();
+        self.add_sides(mesh, true, false, &mut places);
+        places
+    }
+
+    fn add_triangles(&mut self, mesh: &PatchMesh, places: &[u32]) {
         let (mut by_texture, mut unlit) = (HashMap::<Option<u32>, Vec<u32>>::new(), Vec::new());
-        for (index, piece) in mesh.pieces.iter().enumerate() {
-            for k in 1..piece.corners.len() as u32 - 1 {
+        let elements = self.elements.clone();
+        let mut roots = elements.iter().flat_map(|elements| elements.roots.iter().copied());
+        for piece in &mesh.pieces {
+            let first = piece.corners.start as usize;
+            for k in 1..piece.corners.len() - 1 {
                 for side in [Side::Front, Side::Back] {
-                    let start = blocks[2 * index + side as usize];
-                    let face = [start, start + k, start + k + 1];
-                    self.faces.push(face);
-                    let drawn = if side == Side::Front { face } else { [face[0], face[2], face[1]] };
+                    let patch = piece.patches[side as usize];
+                    let root = roots.next();
+                    let face = [first, first + k, first + k + 1].map(|c| places[2 * c + side as usize]);
+                    let turned =
+                        |[a, b, c]: [u32; 3]| if side == Side::Front { [a, b, c] } else { [a, c, b] };
+                    if elements.is_none() {
+                        self.faces.push(face);
+                    }
                     if side == Side::Back && piece.backed {
                         continue;
                     }
-                    let list = match piece.patches[side as usize] {
+                    let list = match patch {
                         NO_PATCH => &mut unlit,
                         patch => by_texture.entry(self.patch_textures[patch as usize]).or_default(),
                     };
-                    list.extend(drawn);
+                    match (&elements, root) {
+                        (Some(elements), Some(root)) if patch != NO_PATCH => {
+                            elements.leaves_of(root, |leaf| list.extend(turned(self.faces[leaf as usize])));
+                        }
+                        _ => list.extend(turned(face)),
+                    }
                 }
             }
         }
@@ -194,22 +254,22 @@ impl DisplayMesh {
         self.unlit = start..self.indices.len() as u32;
     }
 
-    fn add_edges(&mut self, mesh: &PatchMesh, blocks: &[u32]) {
+    fn add_edges(&mut self, mesh: &PatchMesh, places: &[u32]) {
         // Both vertices and the side, then the patch, then the corners that draw it.
         let mut edges: Vec<([u32; 4], u32, [u32; 2])> = Vec::new();
-        for (index, piece) in mesh.pieces.iter().enumerate() {
+        for piece in &mesh.pieces {
             let corners = mesh.corners_of(piece);
             for side in [Side::Front, Side::Back] {
                 let patch = piece.patches[side as usize];
                 if patch == NO_PATCH {
                     continue;
                 }
-                let start = blocks[2 * index + side as usize];
+                let place = |k: usize| places[2 * (piece.corners.start as usize + k) + side as usize];
                 for k in 0..corners.len() {
                     let next = (k + 1) % corners.len();
                     let (a, b) = (corners[k].vertex, corners[next].vertex);
                     let key = [a.min(b), a.max(b), piece.region, side as u32];
-                    edges.push((key, patch, [start + k as u32, start + next as u32]));
+                    edges.push((key, patch, [place(k), place(next)]));
                 }
             }
         }
@@ -231,14 +291,36 @@ impl DisplayMesh {
         self.weights.len()
     }
 
-    /// Corners of triangle `triangle` of [`PatchMesh::triangles`] on `side`, in that triangle's
-    /// order, and the texture that is drawn there.
+    /// The corners between which colours are interpolated at a place of triangle `triangle` of
+    /// [`PatchMesh::triangles`] on `side`, how much each counts there, and the texture that is drawn. `weights` are
+    /// those of the triangle's corners.
     ///
     /// Panics if there is no such triangle.
-    pub fn face(&self, triangle: u32, side: Side) -> ([u32; 3], Option<u32>) {
-        let corners = self.faces[2 * triangle as usize + side as usize];
-        let patch = self.corners[corners[0] as usize].patch;
-        (corners, self.patch_textures.get(patch as usize).copied().flatten())
+    pub fn place(&self, triangle: u32, side: Side, weights: [f64; 3]) -> ([u32; 3], [f32; 3], Option<u32>) {
+        let at = 2 * triangle as usize + side as usize;
+        let (face, weights) = match &self.elements {
+            None => (self.faces[at], weights),
+            Some(elements) => match elements.roots[at] {
+                NO_ELEMENT => return ([u32::MAX; 3], weights.map(|w| w as f32), None),
+                root => {
+                    let (leaf, weights) = elements.locate(root, weights);
+                    (self.faces[leaf as usize], weights)
+                }
+            },
+        };
+        let patch = self.corners[face[0] as usize].patch;
+        (face, weights.map(|w| w as f32), self.patch_textures.get(patch as usize).copied().flatten())
+    }
+
+    /// The corners of all triangles, in their order: `2 * t + side` for triangle t of [`PatchMesh::triangles`], or, where
+    /// it draws elements, one for each of them, of which the undivided ones count.
+    pub fn faces(&self) -> &[[u32; 3]] {
+        &self.faces
+    }
+
+    /// The elements that it draws.
+    pub fn elements(&self) -> Option<&Arc<Elements>> {
+        self.elements.as_ref()
     }
 
     /// Patch values interpolated to the shading vertices: the mean of the patches around, linear
@@ -285,17 +367,86 @@ impl DisplayMesh {
         bytemuck::cast_vec(self.spread(values, shading))
     }
 
+    /// What is drawn at the lit corners for light in two parts; see [`Self::corner_radiosity`]. Where this draws no
+    /// such elements, or `shading` is flat, that of the patches.
+    pub fn detailed_radiosity(
+        &self,
+        radiosity: &[[f32; 3]],
+        irradiance: &[[f32; 3]],
+        detail: Option<Detail<'_>>,
+        shading: Shading,
+    ) -> Vec<[f32; 3]> {
+        let Some(detail) = detail.filter(|detail| self.shows(detail, shading)) else {
+            return self.corner_radiosity(radiosity, irradiance, shading);
+        };
+        // 1. What a corner emits, and what its irradiance is multiplied with.
+        let band = |values: &[[f32; 3]], patch: usize, b: usize| values.get(patch).map_or(0.0, |v| v[b]);
+        let mut factors: Vec<([f32; 3], [f32; 3])> = (0..self.patches)
+            .map(|patch| {
+                let rho = |b| band(detail.reflectance, patch, b);
+                let emitted = |b| (band(radiosity, patch, b) - rho(b) * band(irradiance, patch, b)).max(0.0);
+                (std::array::from_fn(emitted), std::array::from_fn(rho))
+            })
+            .collect();
+        for textured in &self.textured {
+            let (emitted, rho) = &mut factors[textured.patch as usize];
+            *emitted = [0.0; 3];
+            for (b, rho) in rho.iter_mut().enumerate() {
+                *rho = if textured.mean[b] > 1e-3 { *rho / textured.mean[b] } else { textured.factor[b] };
+            }
+        }
+        // 2. Both parts of the light at each corner.
+        let mut values = self.detailed_irradiance(irradiance, Some(detail), shading);
+        for (value, source) in values.iter_mut().zip(&self.sources) {
+            let (emitted, rho) = &factors[source.patch as usize];
+            *value = std::array::from_fn(|b| emitted[b] + rho[b] * value[b]);
+        }
+        values
+    }
+
+    /// The irradiance at the lit corners, as [`Self::detailed_radiosity`] shows it.
+    pub fn detailed_irradiance(
+        &self,
+        irradiance: &[[f32; 3]],
+        detail: Option<Detail<'_>>,
+        shading: Shading,
+    ) -> Vec<[f32; 3]> {
+        let Some(detail) = detail.filter(|detail| self.shows(detail, shading)) else {
+            return self.corner_values(irradiance, shading);
+        };
+        let mut values = self.spread(detail.interreflected, shading);
+        for (value, source) in values.iter_mut().zip(&self.sources) {
+            let direct = detail.direct[source.element as usize];
+            *value = std::array::from_fn(|b| value[b] + direct[b]);
+        }
+        values
+    }
+
+    fn shows(&self, detail: &Detail<'_>, shading: Shading) -> bool {
+        let corners = self.elements.as_ref().map(|elements| elements.corners.len());
+        shading == Shading::Gouraud && corners == Some(detail.direct.len())
+    }
+
     fn spread<const N: usize>(&self, patch_values: &[[f32; N]], shading: Shading) -> Vec<[f32; N]> {
         let vertex_values = match shading {
             Shading::Flat => Vec::new(),
             Shading::Gouraud => self.weights.gather(patch_values),
         };
-        let one = |&[patch, vertex]: &[u32; 2]| match shading {
+        let one = |source: &Source| match shading {
             Shading::Flat => {
-                let value = patch_values.get(patch as usize).copied().unwrap_or([0.0; N]);
+                let value = patch_values.get(source.patch as usize).copied().unwrap_or([0.0; N]);
                 value.map(|x| if x.is_finite() { x } else { 0.0 })
             }
-            Shading::Gouraud => vertex_values[vertex as usize],
+            Shading::Gouraud if source.weights[0] == 1.0 => vertex_values[source.vertices[0] as usize],
+            Shading::Gouraud => {
+                let mut sum = [0.0; N];
+                for (&vertex, weight) in source.vertices.iter().zip(source.weights) {
+                    for (sum, value) in sum.iter_mut().zip(vertex_values[vertex as usize]) {
+                        *sum += weight * value;
+                    }
+                }
+                sum
+            }
         };
         let lit = &self.sources;
         if lit.len() > 8 * PARALLEL_FROM {

@@ -5,6 +5,7 @@
 
 mod adaptation;
 mod colour_map;
+mod detail;
 mod even_light;
 mod false_colour;
 mod mesh;
@@ -14,6 +15,7 @@ mod weights;
 
 pub use adaptation::{usual_lighting, white_balance};
 pub use colour_map::{ColourMap, patch_colour};
+pub use detail::Detail;
 pub use even_light::{even_light, openness};
 pub use false_colour::{FalseColour, NO_VALUE, Tick, patch_illuminance, patch_luminance};
 pub use mesh::{Batch, DisplayCorner, DisplayMesh, Shading};

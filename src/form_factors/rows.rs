@@ -19,6 +19,7 @@ pub struct RowComputer {
     occluders: Occluders,
     rays: RayScene,
     sampler: Sampler,
+    sampling: Sampling,
     points: ReceivingPoints,
     visibility: bool,
     /// Without occlusion, whether nothing can stand between two points inside, so that only points outside
@@ -164,6 +165,7 @@ impl RowComputer {
             is_convex: !visibility && effects::is_convex(&mesh),
             mesh,
             sampler,
+            sampling,
             points,
             visibility,
             lamps,
@@ -201,6 +203,11 @@ impl RowComputer {
             (_, points) => f64::from(points.count()),
         };
         (96.0 / (cost * points)).clamp(2.0, 256.0) as usize
+    }
+
+    /// How rows are gathered.
+    pub fn sampling(&self) -> Sampling {
+        self.sampling
     }
 
     /// Rays against the true polygons of the mesh.

@@ -1,3 +1,4 @@
+use super::in_detail;
 use crate::display::{DisplayMesh, Exposure, Shading, ToneMap, srgb_encode};
 use crate::export::{ExportError, LitMesh, write_ply};
 use crate::solver::PatchLight;
@@ -20,7 +21,12 @@ pub fn save_lit_mesh(
     tone_map: ToneMap,
 ) -> Result<(), ExportError> {
     let lit = &mesh.corners[..mesh.lit_corners];
-    let radiosity = mesh.corner_values(&light.radiosity, shading);
+    let radiosity = match light.detail.as_deref() {
+        Some(detail) => {
+            mesh.detailed_radiosity(&light.radiosity, &light.irradiance, Some(in_detail(detail)), shading)
+        }
+        None => mesh.corner_values(&light.radiosity, shading),
+    };
     let factor = exposure.factor();
     let colour = |b: &[f32; 3]| {
         let mapped = tone_map.apply(b.map(|value| value * factor));

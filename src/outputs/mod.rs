@@ -10,3 +10,14 @@ pub use lit_mesh::save_lit_mesh;
 pub use patch_table::{LitScene, save_patch_table};
 pub use repaired::{RepairError, save_repaired};
 pub use still::{StillKind, StillLight, save_still};
+
+use crate::solver::Detail;
+
+/// The light of elements as the display takes it.
+pub fn in_detail(detail: &Detail) -> crate::display::Detail<'_> {
+    crate::display::Detail {
+        direct: &detail.direct,
+        interreflected: &detail.interreflected,
+        reflectance: &detail.reflectance,
+    }
+}

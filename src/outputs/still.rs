@@ -1,3 +1,4 @@
+use super::in_detail;
 use crate::display::{DisplayMesh, Shading};
 use crate::export::{ExportError, StillLayers, write_exr, write_png};
 use crate::render::{Picker, Still, StillInput};
@@ -15,9 +16,10 @@ pub struct StillLight {
 impl StillLight {
     /// Spreads the light of the patches to the corners of `mesh`.
     pub fn new(mesh: &DisplayMesh, light: &PatchLight, shading: Shading) -> Self {
+        let detail = light.detail.as_deref().map(in_detail);
         Self {
-            corner_radiosity: mesh.corner_radiosity(&light.radiosity, &light.irradiance, shading),
-            corner_irradiance: mesh.corner_values(&light.irradiance, shading),
+            corner_radiosity: mesh.detailed_radiosity(&light.radiosity, &light.irradiance, detail, shading),
+            corner_irradiance: mesh.detailed_irradiance(&light.irradiance, detail, shading),
         }
     }
 

@@ -174,8 +174,11 @@ impl StillInput<'_> {
         };
         if let Some(pick) = self.picker.pick(&ray) {
             let (corners, weights, _) = self.corners(&pick);
-            let normal: Vec3 =
-                (0..3).map(|k| self.mesh.corners[corners[k] as usize].normal * weights[k]).sum();
+            let normal: Vec3 = corners
+                .iter()
+                .zip(weights)
+                .filter_map(|(&c, w)| Some(self.mesh.corners.get(c as usize)?.normal * w))
+                .sum();
             pixel.irradiance = interpolate(self.corner_irradiance, corners, weights);
             pixel.patch_id = pick.patch.unwrap_or(NO_PATCH);
             pixel.normal = normal.normalize_or(pick.normal.as_vec3()).to_array();
@@ -185,16 +188,19 @@ impl StillInput<'_> {
     }
 
     fn corners(&self, pick: &Pick) -> ([u32; 3], [f32; 3], Option<u32>) {
-        let (corners, texture) = self.mesh.face(pick.triangle, pick.side);
         let [u, v] = pick.barycentric;
-        (corners, [(1.0 - u - v) as f32, u as f32, v as f32], texture)
+        self.mesh.place(pick.triangle, pick.side, [1.0 - u - v, u, v])
     }
 
     fn radiosity(&self, pick: &Pick) -> [f32; 3] {
         let (corners, weights, texture) = self.corners(pick);
         let value = interpolate(self.corner_radiosity, corners, weights);
         let Some(texture) = texture.and_then(|t| self.textures.get(t as usize)) else { return value };
-        let uv: Vec2 = (0..3).map(|k| self.mesh.corners[corners[k] as usize].uv * weights[k]).sum();
+        let uv: Vec2 = corners
+            .iter()
+            .zip(weights)
+            .filter_map(|(&c, w)| Some(self.mesh.corners.get(c as usize)?.uv * w))
+            .sum();
         // A sum of huge coordinates may overflow.
         let uv = if uv.is_finite() { uv } else { Vec2::ZERO };
         let texel = texture.sample(uv.as_dvec2());

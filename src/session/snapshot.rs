@@ -5,7 +5,7 @@ use crate::effects::EffectPlan;
 use crate::form_factors::RowComputer;
 use crate::mesh::PatchMesh;
 use crate::scene::Scene;
-use crate::solve::{Solution, SolveSettings, Stage, Timings};
+use crate::solve::{ElementLight, Solution, SolveSettings, Stage, Timings};
 use crate::solver::{LightBases, SweepReport};
 use crate::transport::Transport;
 use std::sync::Arc;
@@ -68,6 +68,11 @@ impl Snapshot {
     /// The solution, to be changed; those who hold it keep it as it is.
     pub fn solution_mut(&mut self) -> Option<&mut Solution> {
         self.solution.as_mut().map(Arc::make_mut)
+    }
+
+    /// Direct light on elements, where it was computed.
+    pub fn element_light(&self) -> Option<&Arc<ElementLight>> {
+        self.solution.as_ref()?.element_light.as_ref()
     }
 
     /// The present scene.

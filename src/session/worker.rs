@@ -10,7 +10,7 @@ use crate::solve::{
     self, Control, Prepared, Progress, Run, Solution, SolveSettings, Stage, Timings, patch_reflectance,
     system,
 };
-use crate::solver::LightBases;
+use crate::solver::{LightBases, System};
 use crate::transport::Transport;
 use rayon::ThreadPool;
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -18,6 +18,10 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
+
+/// Direct light is laid out on elements before the rows where patches times lamps are no more than this: it is
+/// there at once then. Elsewhere the first picture comes first.
+const PROMPT: usize = 20_000;
 
 /// A changed reflectance, by index into the scene's materials.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -316,6 +320,9 @@ impl Worker<'_> {
             return Ok(todo);
         }
         if self.state.transport.is_none() {
+            if prepared.mesh.patches.len() * prepared.scene.luminaires.len() <= PROMPT {
+                self.lay_out_elements(&prepared, &system)?;
+            }
             todo.rows = prepared.mesh.patches.len() - self.state.rows.iter().flatten().count();
             let standing = self.state.bases.as_deref().cloned();
             // What a request that leaves the geometry alone has interrupted goes on from there.
@@ -324,15 +331,20 @@ impl Worker<'_> {
             self.state.rows = known;
             let (mut rows, start) = rows?;
             self.state.bases = Some(Arc::new(start));
+            self.lay_out_elements(&prepared, &system)?;
             let assembled = self.with_run(|run| run.assemble(&prepared, &mut rows));
             // What is left of them, where it was interrupted.
             self.state.rows = rows.into_iter().map(Some).collect();
             let transport = assembled?;
             self.state.transport = Some(transport.clone());
+            self.settle_elements(&system);
             if let Some(solution) = self.snapshot.solution_mut() {
                 solution.transport = Some(transport);
             }
             self.snapshot.unshot = None;
+        }
+        if self.lay_out_elements(&prepared, &system)? {
+            self.settle_elements(&system);
         }
         let transport = self.state.transport.clone().ok_or(Failure::Cancelled)?;
         let start = self.state.bases.clone();
@@ -353,6 +365,29 @@ impl Worker<'_> {
         }
         (self.snapshot.fraction, self.snapshot.seconds_left) = (1.0, None);
         Ok(todo)
+    }
+
+    /// Computes direct light on elements, unless that stands already, and shows it. Whether there was something to
+    /// compute.
+    fn lay_out_elements(&mut self, prepared: &Prepared, system: &System) -> Result<bool, Failure> {
+        if self.snapshot.solution.as_ref().is_none_or(|s| s.element_light.is_some()) {
+            return Ok(false);
+        }
+        let elements = self.with_run(|run| run.elements(prepared, system))?;
+        if let Some(solution) = self.snapshot.solution_mut() {
+            solution.element_light = elements.map(Arc::new);
+        }
+        Ok(true)
+    }
+
+    /// The transport stands that the light of the patches comes from, direct light included.
+    fn settle_elements(&mut self, system: &System) {
+        let Some(transport) = self.state.transport.clone() else { return };
+        if let Some(solution) = self.snapshot.solution_mut()
+            && let Some(elements) = solution.element_light.as_deref().cloned()
+        {
+            solution.element_light = Some(Arc::new(elements.settled(transport.as_ref(), system)));
+        }
     }
 
     /// Reads and meshes what is wanted, where that is called for. What is refused is struck off the wish, and

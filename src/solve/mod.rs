@@ -2,6 +2,7 @@
 
 mod arriving;
 mod effect_costs;
+mod element_light;
 mod error;
 mod memory;
 mod pipeline;
@@ -9,6 +10,7 @@ mod solution;
 mod watched;
 
 pub use effect_costs::{effect_costs, measured};
+pub use element_light::ElementLight;
 pub use error::PipelineError;
 pub use memory::available_bytes;
 pub use pipeline::{

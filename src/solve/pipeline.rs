@@ -2,6 +2,7 @@
 
 use super::arriving::Arriving;
 use super::effect_costs;
+use super::element_light::ElementLight;
 use super::error::PipelineError;
 use super::memory::check_memory;
 use super::solution::Solution;
@@ -69,6 +70,8 @@ pub enum Stage {
     Meshing,
     /// Rows of the luminaires: direct light everywhere.
     FirstLight,
+    /// Direct light in detail.
+    Elements,
     /// All other rows, brightest first.
     Rows,
     /// Making the rows reciprocal and closed.
@@ -99,6 +102,8 @@ pub struct Timings {
     /// From the start of the rows until direct light was everywhere; where the light of an earlier solve is
     /// refined, until the last row: each patch gathers its own.
     pub first_light: f64,
+    /// Direct light on elements.
+    pub elements: f64,
     /// All rows, first light included.
     pub rows: f64,
     /// Making rows reciprocal and closed.
@@ -110,7 +115,7 @@ pub struct Timings {
 impl Timings {
     /// All of a solve, from meshing to the last sweep; reading the model is left out.
     pub fn solve(&self) -> f64 {
-        self.mesh + self.plan + self.rows + self.balance + self.sweeps
+        self.mesh + self.plan + self.elements + self.rows + self.balance + self.sweeps
     }
 }
 
@@ -391,6 +396,28 @@ impl<'a> Run<'a> {
         Ok((rows, arriving.bases()))
     }
 
+    /// Direct light on elements; `None` where rows are computed by another method than the usual one, which is then
+    /// to be seen as it is, and where there are no lamps.
+    ///
+    /// # Errors
+    /// The run was ended.
+    pub fn elements(
+        &mut self,
+        prepared: &Prepared,
+        system: &System,
+    ) -> Result<Option<ElementLight>, PipelineError> {
+        if prepared.computer.sampling().method != Method::Lines || system.lamps == 0 {
+            return Ok(None);
+        }
+        let clock = self.clock();
+        let n = prepared.mesh.patches.len();
+        let light = self.watched(Stage::Elements, (n, n), ([0.88, 0.9], 0.0), |watch| {
+            ElementLight::compute(prepared, system, watch)
+        })?;
+        self.timings.elements = clock.seconds(self);
+        Ok(Some(light))
+    }
+
     /// Makes the rows reciprocal and closed. They are emptied on the way, to make room; those that are left
     /// when the run is cancelled are whole.
     pub fn assemble(
@@ -462,10 +489,12 @@ impl Run<'_> {
         let reflectance = patch_reflectance(&prepared.mesh, &|_| None);
         let system = system(prepared, &reflectance);
         let (mut rows, start) = self.rows(prepared, &system, standing, &mut Vec::new())?;
+        let elements = self.elements(prepared, &system)?;
         let transport = self.assemble(prepared, &mut rows)?;
         let (bases, sweeps) =
             self.sweeps(prepared, transport.as_ref(), &system, Some(&start), settings.tolerance)?;
         Ok(Solution {
+            element_light: elements.map(|elements| Arc::new(elements.settled(transport.as_ref(), &system))),
             transport: Some(transport),
             bases: Arc::new(bases),
             sweeps,

@@ -1,7 +1,9 @@
 //! What a solve comes to, as one value that all who use it share.
 
+use super::element_light::ElementLight;
 use super::pipeline::{Prepared, SolveSettings, Timings, patch_reflectance};
 use crate::accuracy::ErrorBudget;
+use crate::direct::Scratch;
 use crate::effects::EffectPlan;
 use crate::form_factors::RowComputer;
 use crate::mesh::PatchMesh;
@@ -31,6 +33,8 @@ pub struct Solution {
     pub transport: Option<Arc<dyn Transport>>,
     /// Irradiance per luminaire; without values as long as there is no picture.
     pub bases: Arc<LightBases>,
+    /// Direct light in more detail than the patches have it, where it was computed.
+    pub element_light: Option<Arc<ElementLight>>,
     /// Reflectance of every patch as solved for.
     pub reflectance: Arc<Vec<[f32; 3]>>,
     /// One report per sweep.
@@ -53,6 +57,7 @@ impl Solution {
             settings: settings.clone(),
             transport: None,
             bases: Arc::new(LightBases { patches, ..LightBases::default() }),
+            element_light: None,
             reflectance: Arc::default(),
             sweeps: Vec::new(),
             timings: prepared.timings,
@@ -74,26 +79,60 @@ impl Solution {
 
     /// Light of every patch with the lamps in this state: one sum, no solve.
     pub fn light(&self, lighting: &Lighting) -> PatchLight {
-        self.bases.mix(&self.mesh, lighting, &self.reflectance)
+        let light = self.bases.mix(&self.mesh, lighting, &self.reflectance);
+        match &self.element_light {
+            Some(elements) => elements.detailed(light, lighting, &self.reflectance),
+            None => light,
+        }
     }
 
-    /// Irradiance in W/m² per band at free points with unit normals, gathered from the radiosities of
-    /// the patches by the same method as the rows.
+    /// Irradiance in W/m² per band at free points with unit normals: what the lamps give by themselves exactly, where
+    /// that is [known](Self::direct_at); the rest gathered from the radiosities of the patches by the same method as
+    /// the rows.
     pub fn irradiance_at(&self, points: &[(DVec3, DVec3)], light: &PatchLight) -> Vec<[f64; 3]> {
+        let direct = self.direct_at(points, light);
+        // With it the lamps' own exitance, B - rho H, is not gathered again.
+        let sent = |patch: usize, band: usize| {
+            let b = f64::from(light.radiosity[patch][band]);
+            match direct {
+                Some(_) if self.mesh.patches[patch].luminaire.is_some() => {
+                    f64::from(self.reflectance[patch][band]) * f64::from(light.irradiance[patch][band])
+                }
+                _ => b,
+            }
+        };
         points
             .par_iter()
+            .enumerate()
             .map_init(
                 || self.computer.scratch(),
-                |scratch, &(point, normal)| {
-                    let mut sum = [0.0; 3];
+                |scratch, (index, &(point, normal))| {
+                    let mut sum = direct.as_ref().map_or([0.0; 3], |direct| direct[index]);
                     self.computer.point(point, normal, scratch, |patch, f| {
-                        for (s, &b) in sum.iter_mut().zip(&light.radiosity[patch as usize]) {
-                            *s += f * f64::from(b);
+                        for (band, s) in sum.iter_mut().enumerate() {
+                            *s += f * sent(patch as usize, band);
                         }
                     });
                     sum
                 },
             )
             .collect()
+    }
+
+    /// What the lamps give by themselves at free points with unit normals, W/m² per band; `None` where the light is
+    /// not known in detail.
+    pub fn direct_at(&self, points: &[(DVec3, DVec3)], light: &PatchLight) -> Option<Vec<[f64; 3]>> {
+        let elements = self.element_light.as_ref()?;
+        let outputs = &light.detail.as_ref()?.outputs;
+        let at = |scratch: &mut Scratch, &(point, normal): &(DVec3, DVec3)| {
+            let mut sum = [0.0; 3];
+            elements.direct.at(self.computer.lifted(point, normal), normal, scratch, |basis, value| {
+                for (sum, &output) in sum.iter_mut().zip(&outputs[basis as usize]) {
+                    *sum += value * f64::from(output);
+                }
+            });
+            sum
+        };
+        Some(points.par_iter().map_init(Scratch::default, at).collect())
     }
 }

@@ -1,5 +1,8 @@
+use super::System;
 use crate::mesh::{NO_PATCH, PatchMesh};
 use crate::scene::Lighting;
+use crate::transport::{LANES, Lanes, Transport};
+use std::sync::Arc;
 
 /// Irradiance of every patch for every luminaire alone, at unit white exitance.
 ///
@@ -24,6 +27,22 @@ pub struct PatchLight {
     pub irradiance: Vec<[f32; 3]>,
     /// Leaving: B = E + rho H.
     pub radiosity: Vec<[f32; 3]>,
+    /// The same light in more detail than a value per patch, where there is some.
+    pub detail: Option<Arc<Detail>>,
+}
+
+/// Irradiance in two parts, W/m² per band: what comes from the lamps by itself, at the corners of elements, and what
+/// surfaces pass on, per patch.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Detail {
+    /// A value per corner of the elements.
+    pub direct: Vec<[f32; 3]>,
+    /// A value per patch.
+    pub interreflected: Vec<[f32; 3]>,
+    /// Exitance of each basis of the direct light as the lamps stand, W/m² per band.
+    pub outputs: Vec<[f32; 3]>,
+    /// Reflectance of each patch per band.
+    pub reflectance: Arc<Vec<[f32; 3]>>,
 }
 
 impl LightBases {
@@ -34,6 +53,7 @@ impl LightBases {
         let mut light = PatchLight {
             irradiance: self.sum(lighting, mesh.patches.len()),
             radiosity: Vec::with_capacity(self.patches),
+            detail: None,
         };
         for (index, patch) in mesh.patches.iter().enumerate() {
             let irradiance = light.irradiance[index];
@@ -108,7 +128,7 @@ impl PatchLight {
     pub fn reflected(irradiance: Vec<[f32; 3]>, reflectance: &[[f32; 3]]) -> Self {
         let lit = irradiance.iter().zip(reflectance);
         let radiosity = lit.map(|(h, rho)| std::array::from_fn(|band| rho[band] * h[band])).collect();
-        Self { irradiance, radiosity }
+        Self { irradiance, radiosity, detail: None }
     }
 
     /// The same light on another mesh of the same scene, as [`LightBases::carried`] has it.
@@ -117,7 +137,8 @@ impl PatchLight {
         let carry = |values: &[[f32; 3]]| {
             places.iter().map(|&place| values.get(place as usize).copied().unwrap_or_default()).collect()
         };
-        Some(Self { irradiance: carry(&self.irradiance), radiosity: carry(&self.radiosity) })
+        let (irradiance, radiosity) = (carry(&self.irradiance), carry(&self.radiosity));
+        Some(Self { irradiance, radiosity, detail: None })
     }
 
     /// The power of this light: with E = B - rho H the lamps emit the sum of A E and the surfaces absorb that
@@ -143,4 +164,28 @@ pub fn patch_emission(patch: &crate::mesh::Patch, lighting: &Lighting) -> [f32; 
     };
     let output = lamp.output();
     std::array::from_fn(|b| (output[b] * patch.emission_weight[b]) as f32)
+}
+
+/// What the lamps give by themselves, per patch and luminaire: gathered once from their exitance alone, by the same
+/// transport as the bases.
+pub fn direct_bases(transport: &dyn Transport, system: &System) -> LightBases {
+    let (patches, columns) = (system.patches(), system.columns());
+    let mut values = vec![0.0_f32; patches * columns];
+    let mut irradiance = vec![[0.0; LANES]; patches];
+    for first in (0..columns).step_by(LANES) {
+        let exitance: Vec<Lanes> = (0..patches)
+            .map(|i| {
+                std::array::from_fn(|lane| {
+                    if first + lane < columns { system.exitance(i, first + lane) } else { 0.0 }
+                })
+            })
+            .collect();
+        transport.gather(0..patches, &exitance, &mut irradiance, &|| false);
+        for (own, found) in values.chunks_exact_mut(columns).zip(&irradiance) {
+            for (lane, &value) in found.iter().enumerate().take(columns - first) {
+                own[first + lane] = value as f32;
+            }
+        }
+    }
+    LightBases { patches, lamps: system.lamps, bands: system.bands, values }
 }

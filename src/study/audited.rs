@@ -1,20 +1,20 @@
 use crate::accuracy::{Answer, Audit, AuditSettings, Findings, Shown};
 use crate::display::{DisplayMesh, Shading};
 use crate::effects::Effect;
-use crate::mesh::{PatchMesh, Side};
+use crate::mesh::PatchMesh;
+use crate::outputs::in_detail;
 use crate::scene::Lighting;
 use crate::solve::Solution;
-use crate::solver::patch_emission;
+use crate::solver::{PatchLight, patch_emission};
 
-/// The irradiance that the smoothly shaded picture shows, from one value a patch, W/m² per band.
-pub fn shown(mesh: &PatchMesh, display: &DisplayMesh, irradiance: &[[f32; 3]]) -> Shown {
-    let values = display.corner_values(irradiance, Shading::Gouraud);
-    let triangles = mesh.triangles().0.len() as u32;
-    let faces = (0..triangles)
-        .flat_map(|triangle| [Side::Front, Side::Back].map(|side| display.face(triangle, side).0))
-        .map(|corners| corners.map(|c| values.get(c as usize).copied().unwrap_or_default()))
-        .collect();
-    Shown { faces }
+/// The irradiance that the smoothly shaded picture shows of this light, W/m² per band.
+pub fn shown(mesh: &PatchMesh, display: &DisplayMesh, light: &PatchLight) -> Shown {
+    let detail = light.detail.as_deref().map(in_detail);
+    let values = display.detailed_irradiance(&light.irradiance, detail, Shading::Gouraud);
+    let faces = display.faces().iter();
+    let faces = faces.map(|face| face.map(|c| values.get(c as usize).copied().unwrap_or_default())).collect();
+    debug_assert!(display.elements().is_some() || display.faces().len() == 2 * mesh.triangles().0.len());
+    Shown { faces, elements: display.elements().cloned() }
 }
 
 /// Audits a finished solve under this lighting, as the picture shows it: smooth over facets where that is
@@ -28,9 +28,10 @@ pub fn audit(
     stop: &(dyn Fn() -> bool + Sync),
 ) -> Option<Findings> {
     let smooth = solved.plan.is_on(Effect::SmoothSurfaces);
-    let display = DisplayMesh::build(&solved.mesh, &solved.scene, smooth);
+    let elements = solved.element_light.as_ref().map(|light| &light.elements);
+    let display = DisplayMesh::build_on(&solved.mesh, &solved.scene, smooth, elements);
     let light = solved.light(lighting);
-    let shown = shown(&solved.mesh, &display, &light.irradiance);
+    let shown = shown(&solved.mesh, &display, &light);
     let exitance: Vec<[f32; 3]> = solved.mesh.patches.iter().map(|p| patch_emission(p, lighting)).collect();
     let answer = Answer {
         mesh: &solved.mesh,

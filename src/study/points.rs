@@ -21,8 +21,10 @@ pub fn points(
     let Some(transport) = solved.transport.as_deref() else {
         return vec![PointIrradiance::default(); places.len()];
     };
-    let display = DisplayMesh::build(&solved.mesh, &solved.scene, solved.plan.is_on(Effect::SmoothSurfaces));
-    let shown = shown(&solved.mesh, &display, &light.irradiance);
+    let elements = solved.element_light.as_ref().map(|light| &light.elements);
+    let smooth = solved.plan.is_on(Effect::SmoothSurfaces);
+    let display = DisplayMesh::build_on(&solved.mesh, &solved.scene, smooth, elements);
+    let shown = shown(&solved.mesh, &display, light);
     let exitance: Vec<[f32; 3]> = solved.mesh.patches.iter().map(|p| patch_emission(p, lighting)).collect();
     let answer = Answer {
         mesh: &solved.mesh,
@@ -32,7 +34,8 @@ pub fn points(
         reflectance: &solved.reflectance,
         shown: &shown,
     };
-    irradiance_at(answer, &solved.computer, places, 1)
+    let direct = solved.direct_at(places, light);
+    irradiance_at(answer, &solved.computer, places, direct.as_deref(), 1)
 }
 
 /// The errors of a list of points, in a few numbers.

@@ -3,7 +3,9 @@
 
 use super::picture::{Prepared, shading_of};
 use super::state::ShadingMode;
+use crate::outputs::in_detail;
 use crate::scene::Lighting;
+use crate::solve::ElementLight;
 use crate::solver::{LightBases, PatchLight, Power};
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, TryRecvError, channel};
@@ -14,6 +16,7 @@ use std::time::Instant;
 pub(super) struct Source {
     pub(super) prepared: Arc<Prepared>,
     pub(super) bases: Arc<LightBases>,
+    pub(super) element_light: Option<Arc<ElementLight>>,
     pub(super) reflectance: Arc<Vec<[f32; 3]>>,
     pub(super) lighting: Lighting,
     pub(super) shading: ShadingMode,
@@ -33,12 +36,18 @@ pub(super) struct Lit {
 
 impl Lit {
     fn new(source: Source) -> Self {
-        let Source { prepared, bases, reflectance, lighting, shading } = &source;
+        let Source { prepared, bases, element_light, reflectance, lighting, shading } = &source;
         let clock = Instant::now();
         let light = bases.mix(&prepared.mesh, lighting, reflectance);
+        let light = match element_light {
+            Some(elements) => elements.detailed(light, lighting, reflectance),
+            None => light,
+        };
         let power = light.power(&prepared.mesh, reflectance);
         let shading = shading_of(*shading);
-        let corners = prepared.display.corner_radiosity(&light.radiosity, &light.irradiance, shading);
+        let detail = light.detail.as_deref().map(in_detail);
+        let corners =
+            prepared.display.detailed_radiosity(&light.radiosity, &light.irradiance, detail, shading);
         let seconds = clock.elapsed().as_secs_f64();
         Self { light, power, corners, seconds, source }
     }

@@ -10,6 +10,7 @@ use super::lit::{LightMaker, Lit, Source};
 use super::panels::solver::is_running;
 use super::reclaim::Reclaim;
 use super::state::{DisplaySettings, Quantity, ShadingMode};
+use crate::direct::Elements;
 use crate::display::{
     ColourMap, DisplayMesh, FalseColour, Shading, luminance, patch_illuminance, patch_luminance,
     usual_lighting,
@@ -18,9 +19,11 @@ use crate::effects::Effect;
 use crate::geometry::Aabb;
 use crate::mesh::{Patch, PatchMesh, Side};
 use crate::navigation::Obstacles;
+use crate::outputs::in_detail;
 use crate::render::{MeshUploader, Picker, UploadError, UploadedMesh};
 use crate::scene::{Lighting, Scene, luminance_weighted};
 use crate::session::Snapshot;
+use crate::solve::ElementLight;
 use crate::solver::{LightBases, PatchLight, Power};
 use std::borrow::Cow;
 use std::sync::Arc;
@@ -44,11 +47,17 @@ pub(super) struct Prepared {
 }
 
 impl Prepared {
-    fn build(mesh_serial: u64, scene: Arc<Scene>, mesh: Arc<PatchMesh>, smooth: bool) -> Self {
+    fn build(
+        mesh_serial: u64,
+        scene: Arc<Scene>,
+        mesh: Arc<PatchMesh>,
+        smooth: bool,
+        elements: Option<&Arc<Elements>>,
+    ) -> Self {
         let extent = scene.extent();
         Self {
             mesh_serial,
-            display: DisplayMesh::build(&mesh, &scene, smooth),
+            display: DisplayMesh::build_on(&mesh, &scene, smooth, elements),
             picker: Picker::new(&mesh),
             obstacles: Obstacles::of_mesh(&mesh, scene.up.vector(), &extent),
             aspect: mesh.patches.iter().map(|p| aspect(&mesh, p)).collect(),
@@ -89,11 +98,33 @@ impl Built {
         scene: Arc<Scene>,
         mesh: Arc<PatchMesh>,
         smooth: bool,
+        elements: Option<&Arc<Elements>>,
         uploader: Option<&MeshUploader>,
     ) -> Self {
-        let prepared = Arc::new(Prepared::build(serial, scene, mesh, smooth));
+        let prepared = Arc::new(Prepared::build(serial, scene, mesh, smooth, elements));
         let uploaded = uploader.map(|u| u.upload(&prepared.display, &prepared.scene.textures));
         Self { prepared, uploaded }
+    }
+}
+
+/// What is drawn: the mesh of a snapshot, and the elements that it is divided into.
+#[derive(Clone, Debug)]
+struct Drawn {
+    mesh_serial: u64,
+    elements: Option<Arc<Elements>>,
+}
+
+impl Drawn {
+    fn of(prepared: &Prepared) -> Self {
+        Self { mesh_serial: prepared.mesh_serial, elements: prepared.display.elements().cloned() }
+    }
+
+    fn is(&self, other: &Self) -> bool {
+        self.mesh_serial == other.mesh_serial
+            && match (&self.elements, &other.elements) {
+                (Some(one), Some(another)) => Arc::ptr_eq(one, another),
+                (one, another) => one.is_none() && another.is_none(),
+            }
     }
 }
 
@@ -110,7 +141,7 @@ pub(super) struct News {
 #[derive(Default)]
 pub(super) struct Picture {
     pub(super) prepared: Option<Arc<Prepared>>,
-    building: Option<(u64, Receiver<Built>)>,
+    building: Option<(Drawn, Receiver<Built>)>,
     /// A mesh that waits for its light.
     arriving: Option<Built>,
     /// Where there is a graphics card.
@@ -119,6 +150,7 @@ pub(super) struct Picture {
     pub(super) uploaded: Option<Result<UploadedMesh, UploadError>>,
     maker: LightMaker,
     pub(super) bases: Option<Arc<LightBases>>,
+    element_light: Option<Arc<ElementLight>>,
     pub(super) reflectance: Arc<Vec<[f32; 3]>>,
     /// That `light` is of.
     lighting: Lighting,
@@ -187,6 +219,7 @@ impl Picture {
                 let source = || Source {
                     prepared: Arc::clone(prepared),
                     bases: Arc::clone(bases),
+                    element_light: snapshot.element_light().cloned(),
                     reflectance: Arc::clone(reflectance),
                     lighting: lighting(&prepared.scene),
                     shading,
@@ -206,20 +239,23 @@ impl Picture {
             && Arc::ptr_eq(&self.reflectance, reflectance)
     }
 
-    /// Brings the mesh that waits to the screen, dark. Returns whether there was one.
+    /// Brings the mesh that waits to the screen, dark. Returns whether it is another one than was there, and not the
+    /// same in more detail.
     fn bring_mesh(&mut self, reclaim: &Reclaim) -> bool {
         let Some(Built { prepared, uploaded }) = self.arriving.take() else { return false };
         self.uploaded = uploaded;
+        let is_new = self.prepared.as_ref().is_none_or(|old| old.mesh_serial != prepared.mesh_serial);
         reclaim.later(self.prepared.replace(prepared));
         (self.bases, self.corners) = (None, None);
         self.light = PatchLight::default();
         self.light_version += 1;
-        true
+        is_new
     }
 
     fn take_light(&mut self, lit: Lit, reclaim: &Reclaim) {
-        let Source { bases, reflectance, lighting, shading, .. } = lit.source;
+        let Source { bases, element_light, reflectance, lighting, shading, .. } = lit.source;
         reclaim.later(self.bases.replace(bases));
+        self.element_light = element_light;
         (self.reflectance, self.lighting) = (reflectance, lighting);
         (self.light, self.power, self.display_seconds) = (lit.light, lit.power, lit.seconds);
         self.corners = Some((shading, lit.corners));
@@ -228,11 +264,13 @@ impl Picture {
 
     fn start_building(&mut self, snapshot: &Snapshot, wake: impl FnOnce() + Send + 'static) {
         let serial = snapshot.mesh_serial;
-        let shown = self.prepared.as_ref().map(|p| p.mesh_serial);
-        let arriving = self.arriving.as_ref().map(|built| built.prepared.mesh_serial);
-        let underway = self.building.as_ref().map(|b| b.0);
         let (Some(scene), Some(mesh)) = (snapshot.scene(), snapshot.mesh()) else { return };
-        if [shown, arriving, underway].contains(&Some(serial)) {
+        let elements = snapshot.element_light().map(|light| Arc::clone(&light.elements));
+        let wanted = Drawn { mesh_serial: serial, elements: elements.clone() };
+        let shown = self.prepared.as_ref().map(|p| Drawn::of(p));
+        let arriving = self.arriving.as_ref().map(|built| Drawn::of(&built.prepared));
+        let underway = self.building.as_ref().map(|b| b.0.clone());
+        if [shown, arriving, underway].iter().flatten().any(|drawn| drawn.is(&wanted)) {
             return;
         }
         let (scene, mesh) = (Arc::clone(scene), Arc::clone(mesh));
@@ -241,11 +279,11 @@ impl Picture {
         let (sender, receiver) = channel();
         let build = move || {
             // Nobody listens any more when the window has closed.
-            sender.send(Built::new(serial, scene, mesh, smooth, uploader.as_ref())).ok();
+            sender.send(Built::new(serial, scene, mesh, smooth, elements.as_ref(), uploader.as_ref())).ok();
             wake();
         };
         if std::thread::Builder::new().name("mesh for display".to_owned()).spawn(build).is_ok() {
-            self.building = Some((serial, receiver));
+            self.building = Some((wanted, receiver));
         }
     }
 
@@ -261,7 +299,11 @@ impl Picture {
             // Else a mesh with other lamps is on its way.
             && lighting.lamps.len() == prepared.scene.luminaires.len()
         {
-            self.light = bases.mix(&prepared.mesh, lighting, &self.reflectance);
+            let light = bases.mix(&prepared.mesh, lighting, &self.reflectance);
+            self.light = match &self.element_light {
+                Some(elements) => elements.detailed(light, lighting, &self.reflectance),
+                None => light,
+            };
             self.power = self.light.power(&prepared.mesh, &self.reflectance);
             self.lighting.clone_from(lighting);
             self.corners = None;
@@ -340,7 +382,9 @@ impl Picture {
     ) -> Vec<[f32; 3]> {
         let Some(prepared) = &self.prepared else { return Vec::new() };
         let (radiosity, irradiance) = (&light.radiosity, &light.irradiance);
-        amplified(prepared.display.corner_radiosity(radiosity, irradiance, shading_of(shading)), gains)
+        let detail = light.detail.as_deref().map(in_detail);
+        let corners = prepared.display.detailed_radiosity(radiosity, irradiance, detail, shading_of(shading));
+        amplified(corners, gains)
     }
 
     /// Values of patches with the areas that have them, m².

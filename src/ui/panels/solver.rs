@@ -20,6 +20,7 @@ pub(in crate::ui) fn state_of(snapshot: &Snapshot) -> (&'static str, Color32) {
         Stage::Loading => ("Loading", theme::ACCENT),
         Stage::Meshing => ("Meshing", theme::ACCENT),
         Stage::FirstLight => ("First light", theme::ACCENT),
+        Stage::Elements => ("Direct light", theme::ACCENT),
         Stage::Rows => ("Solving", theme::ACCENT),
         Stage::Balancing => ("Balancing", theme::ACCENT),
         Stage::Sweeping => ("Settling", theme::ACCENT),
