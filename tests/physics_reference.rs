@@ -55,7 +55,7 @@ fn an_error_of_one_percent_asked_for_is_one_against_the_path_tracer() {
     let (goal, started) = (study::Goal::Error(0.01), std::time::Instant::now());
     let reached = study::reach(&scene, &lighting, goal, &EffectChoices::default(), started, 4.0, &mut go_on);
     let reached = reached.expect("solved");
-    assert!(reached.met, "{}", reached.verdict);
+    assert!(reached.verdict.met(), "{}", reached.verdict);
     let (mesh, light) = (&reached.solved.mesh, reached.solved.light(&lighting));
     let elements = reached.solved.element_light.as_ref().map(|light| &light.elements);
     let shown = study::shown(mesh, &DisplayMesh::build_on(mesh, &scene, true, elements), &light);

@@ -166,9 +166,9 @@ fn goal_report(goal: Goal, reached: &Reached) -> GoalReport {
     GoalReport {
         asked_percent,
         asked_seconds,
-        met: reached.met,
+        met: reached.verdict.met(),
         complete: reached.complete,
-        verdict: reached.verdict.clone(),
+        verdict: reached.verdict.to_string(),
         seconds: reached.seconds,
         attempts: attempts.collect(),
     }

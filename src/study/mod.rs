@@ -7,6 +7,7 @@ mod audited;
 mod chart;
 mod cost;
 mod goal;
+mod goal_run;
 mod points;
 mod refine;
 mod sweep;
@@ -17,10 +18,8 @@ mod until;
 pub use audited::{audit, shown};
 pub use chart::chart;
 pub use cost::{CostModel, Fineness, Limits, Measured};
-pub use goal::{
-    Attempt, CONSOLATION, Goal, MOST_PATCHES, News, Reached, TIME_AIM, aim, better_within, fewest, memory,
-    reach, settings_of,
-};
+pub use goal::{Attempt, Goal, MOST_PATCHES, News, Reached, fewest, memory, reach};
+pub use goal_run::{GoalRun, MOST_SOLVES, Obstacle, Step, Verdict};
 pub use points::{PointErrors, points};
 pub use refine::refined;
 pub use sweep::{Entry, entries, foreseen, measure, pareto};

@@ -241,18 +241,17 @@ impl Auditor {
         let (sender, answer) = channel();
         let stop = cancel.clone();
         let of = (solved.bases.clone(), lighting.clone());
-        let resolve = if let Goal::Error(error) = self.goal { 0.2 * error } else { 1e-3 };
         let before = settings.refinement.clone();
-        let seconds = match self.goal {
-            // Part of the time that was asked for.
-            Goal::Seconds(seconds) if self.is_reaching() => (0.3 * solved.timings.solve())
-                .max(0.2)
-                .min(0.4 * (seconds - self.elapsed()).max(0.0))
-                .max(0.1),
-            _ => AUDIT_SECS,
+        // On the way to a goal no longer and no better than it takes to go on.
+        let settings = match &self.way {
+            Some(way) => way.run.audit_settings(solved.timings.solve(), way.elapsed()),
+            None => {
+                let resolve = if let Goal::Error(error) = self.goal { 0.2 * error } else { 1e-3 };
+                AuditSettings { seconds: AUDIT_SECS, resolve, ..AuditSettings::default() }
+            }
         };
+        let settings = AuditSettings { seconds: settings.seconds.max(0.1), parallel: false, ..settings };
         let audit = move || {
-            let settings = AuditSettings { seconds, resolve, parallel: false, ..AuditSettings::default() };
             let found = study::audit(&solved, &lighting, &settings, &|| stop.load(Ordering::Relaxed));
             let checked = found.map(|findings| {
                 let pace = lines.map(|lines| study::pace(&solved, lines));
@@ -300,7 +299,7 @@ impl Auditor {
             self.model.learn(Measured::of(&solved, lines, pace, Some(&budget)));
             self.draw_curve();
         }
-        self.step(&budget, settings)
+        self.step(&budget, settings, (solved.mesh.patches.len(), solved.timings.solve()))
     }
 
     fn draw_curve(&mut self) {
@@ -384,6 +383,7 @@ fn lines_of(settings: &SolveSettings) -> Option<u32> {
 pub(super) mod tests {
     use super::*;
     use crate::accuracy::Estimate;
+    use crate::effects::EffectChoices;
     use crate::solve::{Control, Timings, solve};
 
     pub(in crate::ui) fn budget(form_factors: f64, mesh: f64) -> ErrorBudget {
@@ -438,7 +438,7 @@ pub(super) mod tests {
         let refinement = Refinement::default();
         sender.send(Some(Checked { findings, refinement, pace: None })).unwrap();
         auditor.seen = Some((bases.clone(), lighting.clone()));
-        auditor.way = Some(Way::new());
+        auditor.way = Some(Way::new(auditor.goal, EffectChoices::default(), auditor.limits));
         auditor.job = Some(Job { bases, lighting: lighting.clone(), cancel: Arc::default(), answer });
         auditor
     }

@@ -1,79 +1,70 @@
-//! The way to an error or a time that the user named: solve after solve, each from the check of the last.
+//! The way to an error or a time that the user named, through the session: see [`GoalRun`].
 
 use super::auditor::Auditor;
 use crate::accuracy::ErrorBudget;
+use crate::effects::EffectChoices;
 use crate::solve::SolveSettings;
-use crate::study::{self, Goal};
+use crate::study::{self, Goal, GoalRun, Limits, MOST_SOLVES, Obstacle, Step, Verdict};
 use std::time::Instant;
 
-/// Solves that are made to come nearer to a goal before it is given up.
-const MOST_STEPS: u32 = 5;
 /// The way to a goal.
 pub(super) struct Way {
     /// When the user asked for it.
-    pub(super) since: Instant,
-    /// Solves asked for.
-    pub(super) steps: u32,
+    since: Instant,
+    pub(super) run: GoalRun,
+    /// The solve that was asked of the session and has not been checked yet.
+    asked: Option<SolveSettings>,
+    /// How the best light so far was solved.
+    best: Option<SolveSettings>,
 }
 
 impl Way {
-    pub(super) fn new() -> Self {
-        Self { since: Instant::now(), steps: 0 }
+    pub(super) fn new(goal: Goal, effects: EffectChoices, limits: Limits) -> Self {
+        Self { since: Instant::now(), run: GoalRun::new(goal, effects, limits), asked: None, best: None }
+    }
+
+    /// Seconds since the user asked for it.
+    pub(super) fn elapsed(&self) -> f64 {
+        self.since.elapsed().as_secs_f64()
     }
 }
 
 impl Auditor {
-    /// The next solve towards the goal, if one is asked for and the last was not enough.
-    pub(super) fn step(&mut self, budget: &ErrorBudget, now: &SolveSettings) -> Option<SolveSettings> {
-        let steps = self.way.as_ref().map(|way| way.steps)?;
-        let error = format!("{:.2} %", 100.0 * budget.total.error);
-        let wanted = match self.goal {
-            Goal::Error(asked) => {
-                if budget.total.error <= asked {
-                    self.end(format!("Reached: {error}"));
-                    return None;
-                }
-                let promised = self.model.cheapest(study::aim(&self.model) * asked, self.limits);
-                // Out of reach as far as is known; then as near as memory allows, by steps of moderate time.
-                let moderate = study::CONSOLATION.max(self.elapsed());
-                let near = || study::better_within(&self.model, moderate, self.limits);
-                promised.or_else(near).map(|f| self.model.towards(f))
-            }
-            Goal::Seconds(seconds) => {
-                let elapsed = self.elapsed();
-                let left = study::TIME_AIM * (seconds - elapsed);
-                if steps == 0 {
-                    self.model.best_within(left, self.limits)
-                } else {
-                    let better = study::better_within(&self.model, left, self.limits);
-                    if better.is_none() || steps >= MOST_STEPS {
-                        let over = elapsed - seconds;
-                        let over = if over > 0.0 { format!(", {over:.1} s too many") } else { String::new() };
-                        self.end(format!("{error} in {elapsed:.1} of {seconds:.1} s{over}"));
-                        return None;
-                    }
-                    better
-                }
+    /// The next solve towards the goal, if one is asked for and the last was not enough: of so many patches,
+    /// in so many seconds.
+    pub(super) fn step(
+        &mut self,
+        budget: &ErrorBudget,
+        now: &SolveSettings,
+        (patches, seconds): (usize, f64),
+    ) -> Option<SolveSettings> {
+        let way = self.way.as_mut()?;
+        let elapsed = way.elapsed();
+        way.run.set_fewest(self.limits.fewest);
+        way.run.refine(self.refinement.clone());
+        let is_best = match way.asked.take() {
+            Some(asked) if asked == *now => way.run.note(patches, seconds, Some(*budget)),
+            // A light that the user had before, or under other lamps.
+            _ => {
+                way.run.stands(*budget);
+                true
             }
         };
-        let Some(fineness) = wanted.filter(|_| steps < MOST_STEPS) else {
-            self.end(match self.goal {
-                _ if wanted.is_some() => format!("Not reached in {MOST_STEPS} solves; it may be in more"),
-                Goal::Error(_) => "Out of reach: no mesh that fits into memory promises it".to_owned(),
-                Goal::Seconds(_) => "No solve of this scene is so short".to_owned(),
-            });
-            return None;
-        };
-        let settings =
-            study::settings_of(&self.model, fineness, self.goal, &now.effects, self.refinement.clone());
-        if settings == *now {
-            self.end("This is the best choice already".to_owned());
-            return None;
+        if is_best {
+            way.best = Some(now.clone());
         }
-        if let Some(way) = &mut self.way {
-            way.steps = steps + 1;
+        if way.run.step(&self.model, Some(budget), elapsed) == Step::Solve {
+            let settings = way.run.begin(&self.model);
+            if settings != *now {
+                way.asked = Some(settings.clone());
+                return Some(settings);
+            }
         }
-        Some(settings)
+        // What is on screen stays, or the best light comes back.
+        let back = way.best.take().filter(|_| !is_best);
+        let words = words(&way.run.verdict(&self.model, elapsed));
+        self.end(words);
+        back
     }
 
     /// The way to the goal ends, with these words.
@@ -83,18 +74,34 @@ impl Auditor {
 
     /// Seconds since the user asked for the goal.
     pub(super) fn elapsed(&self) -> f64 {
-        self.way.as_ref().map_or(0.0, |way| way.since.elapsed().as_secs_f64())
+        self.way.as_ref().map_or(0.0, Way::elapsed)
     }
 
     /// Begins to solve towards the goal: settings for the first step, where the light is known.
     pub(super) fn reach(&mut self, now: &SolveSettings) -> Option<SolveSettings> {
         self.verdict.clear();
         self.on = true;
-        self.way = Some(Way::new());
         self.limits.gigabytes = study::memory();
-        match self.budget {
-            Some(budget) => self.step(&budget, now),
-            None => None,
+        self.way = Some(Way::new(self.goal, now.effects.clone(), self.limits));
+        let budget = self.budget?;
+        self.step(&budget, now, (0, 0.0))
+    }
+}
+
+/// How the way to a goal ended, for a narrow panel.
+fn words(verdict: &Verdict) -> String {
+    let error = verdict.budget.map_or("unknown".to_owned(), |b| format!("{:.2} %", 100.0 * b.total.error));
+    match (verdict.goal, &verdict.obstacle) {
+        (Goal::Error(_), _) if verdict.met() => format!("Reached: {error}"),
+        (Goal::Error(_), Some(Obstacle::TooFine { .. })) => {
+            "Out of reach: no mesh that fits into memory promises it".to_owned()
+        }
+        (Goal::Error(_), Some(obstacle)) => format!("Not reached: {obstacle}"),
+        (Goal::Error(_), None) => format!("Not reached in {MOST_SOLVES} solves; it may be in more"),
+        (Goal::Seconds(asked), _) => {
+            let over = verdict.seconds - asked;
+            let over = if over > 0.0 { format!(", {over:.1} s too many") } else { String::new() };
+            format!("{error} in {:.1} of {asked:.1} s{over}", verdict.seconds)
         }
     }
 }
@@ -116,7 +123,7 @@ mod tests {
         assert!(auditor.is_reaching());
         let PatchTarget::Count(patches) = first.patches else { panic!("{first:?}") };
         assert!(patches > 1000);
-        assert_eq!(auditor.step(&budget(0.002, 0.005), &first), None);
+        assert_eq!(auditor.step(&budget(0.002, 0.005), &first, (3000, 1.0)), None);
         assert!(!auditor.is_reaching() && auditor.verdict.starts_with("Reached"), "{}", auditor.verdict);
     }
 
@@ -138,7 +145,7 @@ mod tests {
                 ..Measured::example(patches, lines, [0.3 * error, error])
             });
             steps += 1;
-            next = auditor.step(&budget(0.3 * error, error), &settings);
+            next = auditor.step(&budget(0.3 * error, error), &settings, (patches as usize, 1.0));
         }
         assert!((1..=3).contains(&steps), "{steps} solves for what is out of reach");
         assert!(!auditor.is_reaching() && auditor.verdict.starts_with("Out of reach"), "{}", auditor.verdict);
@@ -152,8 +159,30 @@ mod tests {
             SolveSettings { tolerance: 1e-2, points: ReceivingPoints::Four, ..SolveSettings::default() };
         let first = auditor.reach(&coarse).unwrap();
         assert!(first.tolerance <= 0.1 * 0.01 && first.points == ReceivingPoints::Auto, "{first:?}");
-        auditor.way = Some(Way { steps: MOST_STEPS, ..Way::new() });
-        assert_eq!(auditor.step(&budget(0.01, 0.04), &first), None);
+        let run = &mut auditor.way.as_mut().unwrap().run;
+        (1..MOST_SOLVES).for_each(|_| {
+            run.note(1000, 1.0, None);
+        });
+        assert_eq!(auditor.step(&budget(0.01, 0.04), &first, (1000, 1.0)), None);
         assert!(!auditor.is_reaching() && auditor.verdict.starts_with("Not reached"), "{}", auditor.verdict);
+    }
+
+    #[test]
+    fn a_solve_that_came_out_worse_gives_way_to_the_best_one() {
+        let mut auditor = auditor(0.01, 0.04);
+        auditor.goal = Goal::Error(0.001);
+        let good = SolveSettings::default();
+        let mut next = auditor.reach(&good).unwrap();
+        // Every further solve is worse than the light that stood there.
+        for _ in 0..MOST_SOLVES {
+            match auditor.step(&budget(0.02, 0.05), &next, (2000, 1.0)) {
+                Some(settings) if auditor.is_reaching() => next = settings,
+                back => {
+                    assert_eq!(back, Some(good), "{}", auditor.verdict);
+                    return;
+                }
+            }
+        }
+        panic!("the way has no end");
     }
 }
