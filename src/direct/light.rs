@@ -131,10 +131,10 @@ impl DirectLight {
     pub fn views(&self, cell: &[DVec3], normal: DVec3, scratch: &mut Scratch) -> Views {
         let mut views = Views::default();
         for source in 0..self.emitters.sources.len() as u32 {
-            let Scratch { shaft, found, .. } = scratch;
-            if !self.aim(source, cell, normal, shaft) {
+            if !self.aim(source, cell, normal, scratch) {
                 continue;
             }
+            let Scratch { shaft, found, .. } = scratch;
             self.obstacles.select(|bounds| shaft.meets(bounds), found);
             self.keep(source, scratch, &mut views);
         }
@@ -149,7 +149,7 @@ impl DirectLight {
                 narrowed.sources.push((source, narrowed.obstacles.len() as u32));
                 continue;
             }
-            if !self.aim(source, cell, normal, &mut scratch.shaft) {
+            if !self.aim(source, cell, normal, scratch) {
                 continue;
             }
             scratch.found.clear();
@@ -160,15 +160,15 @@ impl DirectLight {
     }
 
     /// Whether some of an emitter may shine on a cell, and the shaft between them.
-    fn aim(&self, source: u32, cell: &[DVec3], normal: DVec3, shaft: &mut Shaft) -> bool {
+    fn aim(&self, source: u32, cell: &[DVec3], normal: DVec3, scratch: &mut Scratch) -> bool {
+        let Scratch { shaft, outline, .. } = scratch;
         let emitter = &self.emitters.sources[source as usize].emitter;
         let hull = emitter.hull();
         let is_above = |from: &DVec3| hull.iter().any(|to| normal.dot(*to - *from) > self.thickness);
         if !cell.iter().any(is_above) {
             return false;
         }
-        let mut outline = Vec::new();
-        if !cell.iter().any(|&from| emitter.outline(from, &mut outline).is_some()) {
+        if !cell.iter().any(|&from| emitter.outline(from, outline).is_some()) {
             return false;
         }
         shaft.aim(cell, normal, hull);

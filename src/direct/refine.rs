@@ -6,6 +6,7 @@ use crate::mesh::PatchMesh;
 use crate::watch::{Cancelled, Watch};
 use glam::DVec3;
 use rayon::prelude::*;
+use std::cell::RefCell;
 use std::collections::{HashMap, HashSet};
 use std::sync::Arc;
 
@@ -82,7 +83,7 @@ impl Elements {
                 return Arc::default();
             }
             let normal = mesh.patches[root.patch as usize].normal;
-            Arc::new(light.views(&elements.positions(root), normal, &mut Scratch::default()))
+            Arc::new(with_scratch(|scratch| light.views(&elements.positions(root), normal, scratch)))
         })?;
         let borders = borders(&elements);
         let inset = 3.0 * light.thickness();
@@ -91,7 +92,7 @@ impl Elements {
         let lights = watch.part(0.2, 0.3).map(&places, |corner, place| match place {
             Some((element, point)) => {
                 let normal = elements.corners[corner].normal;
-                gathered(light, *point, normal, &views[*element as usize], &mut Scratch::default())
+                gathered(light, *point, normal, &views[*element as usize])
             }
             None => Light::new(),
         })?;
@@ -168,19 +169,27 @@ fn inside(point: DVec3, towards: DVec3, least: f64) -> DVec3 {
     if length <= 2.0 * least { point + 0.5 * way } else { point + way * INSET.max(least / length) }
 }
 
+thread_local! {
+    static SCRATCH: RefCell<Scratch> = RefCell::default();
+}
+
+/// Does something with the working memory of this thread.
+fn with_scratch<T>(work: impl FnOnce(&mut Scratch) -> T) -> T {
+    SCRATCH.with_borrow_mut(work)
+}
+
 fn edge_key(element: &Element, k: usize) -> (u32, u32) {
     let (a, b) = (element.corners[k], element.corners[(k + 1) % 3]);
     (a.min(b), a.max(b))
 }
 
-fn gathered(light: &DirectLight, point: DVec3, normal: DVec3, views: &Views, scratch: &mut Scratch) -> Light {
+fn gathered(light: &DirectLight, point: DVec3, normal: DVec3, views: &Views) -> Light {
     let mut found = Light::new();
-    light.gather(point, normal, views, scratch, |basis, value| {
-        match found.binary_search_by_key(&basis, |entry| entry.0) {
-            Ok(at) => found[at].1 += value as f32,
-            Err(at) => found.insert(at, (basis, value as f32)),
-        }
-    });
+    let mut add = |basis: u32, value: f64| match found.binary_search_by_key(&basis, |entry| entry.0) {
+        Ok(at) => found[at].1 += value as f32,
+        Err(at) => found.insert(at, (basis, value as f32)),
+    };
+    with_scratch(|scratch| light.gather(point, normal, views, scratch, &mut add));
     found
 }
 
@@ -210,9 +219,10 @@ impl Refinement<'_> {
                 continue;
             }
             let element = self.elements.elements[index as usize];
-            // On the triangles of the mesh all three; further down the one that would become a corner.
+            // On triangles of the mesh with something before a lamp all three; else the one that would become a corner.
             let longest = self.longest_edge(index).0;
-            for k in (0..3).filter(|&k| k == longest || (index as usize) < self.whole) {
+            let all = (index as usize) < self.whole && !self.views[index as usize].is_clear();
+            for k in (0..3).filter(|&k| all || k == longest) {
                 let next = first + wanted.len() as u32;
                 if *self.middles.entry(edge_key(&element, k)).or_insert(next) == next {
                     wanted.push((index, k));
@@ -222,7 +232,7 @@ impl Refinement<'_> {
         let lights = watch.map(&wanted, |_, &(index, k)| {
             let (corner, point) = self.middle(index, k);
             let views = &self.views[index as usize];
-            (corner, gathered(self.light, point, corner.normal, views, &mut Scratch::default()))
+            (corner, gathered(self.light, point, corner.normal, views))
         })?;
         for (corner, light) in lights {
             self.elements.corners.push(corner);
@@ -390,7 +400,7 @@ impl Refinement<'_> {
                 if to_divide.contains(&key) && !self.middles.contains_key(&key) {
                     let (corner, point) = self.middle(index, k);
                     let views = self.views[index as usize].clone();
-                    let light = gathered(self.light, point, corner.normal, &views, &mut Scratch::default());
+                    let light = gathered(self.light, point, corner.normal, &views);
                     self.middles.insert(key, self.elements.corners.len() as u32);
                     self.elements.corners.push(corner);
                     self.elements.push_light(&light);
@@ -430,7 +440,7 @@ impl Refinement<'_> {
         let narrowed: Vec<(Arc<Views>, f64)> = self.elements.elements[first..]
             .par_iter()
             .zip(&parents)
-            .map_init(Scratch::default, |scratch, (element, &parent)| {
+            .map(|(element, &parent)| {
                 let (views, seen_from) = (&self.views[parent as usize], self.seen_from[parent as usize]);
                 let area = self.elements.area(element);
                 if element.children != NO_ELEMENT || views.is_clear() || area > NARROWED * seen_from {
@@ -438,7 +448,8 @@ impl Refinement<'_> {
                 }
                 let normal = mesh.patches[element.patch as usize].normal;
                 let cell = self.elements.positions(element);
-                (Arc::new(self.light.narrowed(views, &cell, normal, scratch)), area)
+                let narrowed = with_scratch(|scratch| self.light.narrowed(views, &cell, normal, scratch));
+                (Arc::new(narrowed), area)
             })
             .collect();
         for (views, seen_from) in narrowed {

@@ -12,6 +12,7 @@ pub(super) struct Shaft {
     emitter: Vec<DVec3>,
     /// `normal · x >= offset` inside.
     planes: Vec<(DVec3, f64)>,
+    edges: Vec<[usize; 2]>,
     bounds: Aabb,
 }
 
@@ -28,17 +29,17 @@ impl Shaft {
         self.receiver.clear();
         self.receiver.extend_from_slice(cell);
         self.emitter.clear();
-        let mut emitter_edges: Vec<[usize; 2]> = Vec::with_capacity(12);
+        self.edges.clear();
         if emitter.len() > MOST_CORNERS {
             let Aabb { min, max } = Aabb::around(emitter.iter().copied());
             let pick = |bit: usize, k: usize, low: f64, high: f64| if k >> bit & 1 == 0 { low } else { high };
             self.emitter.extend((0..8).map(|k| {
                 DVec3::new(pick(0, k, min.x, max.x), pick(1, k, min.y, max.y), pick(2, k, min.z, max.z))
             }));
-            emitter_edges.extend(BOX_EDGES);
+            self.edges.extend(BOX_EDGES);
         } else {
             self.emitter.extend_from_slice(emitter);
-            emitter_edges.extend((0..emitter.len()).map(|k| [k, (k + 1) % emitter.len()]));
+            self.edges.extend((0..emitter.len()).map(|k| [k, (k + 1) % emitter.len()]));
         }
         self.bounds = Aabb::around(self.receiver.iter().chain(&self.emitter).copied());
         let tolerance = 1e-9 * self.bounds.diagonal();
@@ -51,7 +52,8 @@ impl Shaft {
                 self.support([self.receiver[k], self.receiver[(k + 1) % n], self.emitter[e]], tolerance);
             }
         }
-        for [a, b] in emitter_edges {
+        for edge in 0..self.edges.len() {
+            let [a, b] = self.edges[edge];
             for k in 0..n {
                 self.support([self.emitter[a], self.emitter[b], self.receiver[k]], tolerance);
             }
