@@ -7,6 +7,7 @@
 use super::System;
 use crate::mesh::PatchMesh;
 use crate::transport::FormFactors;
+use crate::watch::Cancelled;
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 use std::collections::BTreeMap;
@@ -39,18 +40,26 @@ impl Aggregates {
     ///
     /// What sees mostly each other holds almost the same error: the inside of a lamp's housing comes
     /// together before it joins the room outside.
-    pub(super) fn new(mesh: &PatchMesh, form_factors: &FormFactors) -> Self {
+    /// Fails where it was `cancelled`.
+    pub(super) fn new(
+        mesh: &PatchMesh,
+        form_factors: &FormFactors,
+        cancelled: &(dyn Fn() -> bool + Sync),
+    ) -> Result<Self, Cancelled> {
         let parts = Self::parts(mesh);
-        let mut graph = Exchange::between(&parts, form_factors);
+        let mut graph = Exchange::between(&parts, form_factors, cancelled)?;
         let mut part_in: Vec<u32> = (0..parts.count as u32).collect();
         let most = (mesh.patches.len() / 6).clamp(AGGREGATES[0], AGGREGATES[1]);
         while graph.areas.len() > most {
+            if cancelled() {
+                return Err(Cancelled);
+            }
             let Some(joined) = graph.join(most) else { break };
             part_in.iter_mut().for_each(|a| *a = joined.of_patch[*a as usize]);
             graph = graph.coarser(&joined);
         }
         let of_patch = parts.of_patch.iter().map(|&part| part_in[part as usize]).collect();
-        Self { of_patch, count: graph.areas.len() }
+        Ok(Self { of_patch, count: graph.areas.len() })
     }
 
     /// Single patches where they are few, else blocks of connected sides, larger sides in more of them, since one floor may run through several
@@ -127,7 +136,11 @@ struct Exchange {
 }
 
 impl Exchange {
-    fn between(parts: &Aggregates, form_factors: &FormFactors) -> Self {
+    fn between(
+        parts: &Aggregates,
+        form_factors: &FormFactors,
+        cancelled: &(dyn Fn() -> bool + Sync),
+    ) -> Result<Self, Cancelled> {
         let mut members: Vec<Vec<usize>> = vec![Vec::new(); parts.count];
         for (i, &part) in parts.of_patch.iter().enumerate() {
             members[part as usize].push(i);
@@ -138,18 +151,21 @@ impl Exchange {
             .map_init(
                 || vec![0.0; parts.count],
                 |sums, (own, members)| {
+                    if cancelled() {
+                        return Err(Cancelled);
+                    }
                     for &i in members {
                         let (columns, values) = form_factors.row(i);
                         for (&j, &s) in columns.iter().zip(values) {
                             sums[parts.of_patch[j as usize] as usize] += f64::from(s);
                         }
                     }
-                    Self::take_row(sums, own)
+                    Ok(Self::take_row(sums, own))
                 },
             )
-            .collect();
+            .collect::<Result<_, _>>()?;
         let areas = members.iter().map(|m| m.iter().map(|&i| form_factors.area(i)).sum()).collect();
-        Self { rows, areas }
+        Ok(Self { rows, areas })
     }
 
     /// Moves what a row summed up to out of `sums`, which is left empty.
@@ -253,7 +269,13 @@ pub(super) struct PowerBalance {
 }
 
 impl PowerBalance {
-    pub(super) fn new(form_factors: &FormFactors, system: &System, aggregates: &Aggregates) -> Self {
+    /// Fails where it was `cancelled`.
+    pub(super) fn new(
+        form_factors: &FormFactors,
+        system: &System,
+        aggregates: &Aggregates,
+        cancelled: &(dyn Fn() -> bool + Sync),
+    ) -> Result<Self, Cancelled> {
         const CHUNKS: usize = 8;
         let (n, k) = (system.patches(), aggregates.count);
         let size = n.div_ceil(CHUNKS).max(1);
@@ -264,6 +286,9 @@ impl PowerBalance {
                 let mut sums = vec![vec![0.0; k * k]; system.bands];
                 let mut seen = vec![0.0; k];
                 for i in chunk * size..((chunk + 1) * size).min(n) {
+                    if cancelled() {
+                        return Err(Cancelled);
+                    }
                     seen.fill(0.0);
                     // What sees nothing keeps B = E, and must not soak up the correction.
                     if !form_factors.sees(i) {
@@ -284,9 +309,9 @@ impl PowerBalance {
                         row[own] += system.areas[i];
                     }
                 }
-                sums
+                Ok(sums)
             })
-            .collect();
+            .collect::<Result<_, _>>()?;
         let factors = (0..system.bands)
             .into_par_iter()
             .map(|band| {
@@ -302,10 +327,10 @@ impl PowerBalance {
                         matrix[own * k + own] = 1.0;
                     }
                 }
-                Lu::new(matrix, k)
+                Lu::new(matrix, k, cancelled)
             })
-            .collect();
-        Self { factors }
+            .collect::<Result<_, _>>()?;
+        Ok(Self { factors })
     }
 
     /// Turns the aggregated residual power of one column, W, into the correction of each aggregate.
@@ -324,9 +349,12 @@ struct Lu {
 
 impl Lu {
     /// The matrix is diagonally dominant and has no empty row: no pivot vanishes.
-    fn new(mut a: Vec<f64>, n: usize) -> Self {
+    fn new(mut a: Vec<f64>, n: usize, cancelled: &dyn Fn() -> bool) -> Result<Self, Cancelled> {
         let mut pivots = Vec::with_capacity(n);
         for c in 0..n {
+            if cancelled() {
+                return Err(Cancelled);
+            }
             let pivot =
                 (c..n).max_by(|&x, &y| a[x * n + c].abs().total_cmp(&a[y * n + c].abs())).unwrap_or(c);
             pivots.push(pivot);
@@ -350,7 +378,7 @@ impl Lu {
                 }
             }
         }
-        Self { size: n, values: a, pivots }
+        Ok(Self { size: n, values: a, pivots })
     }
 
     fn solve(&self, b: &mut [f64]) {
@@ -377,7 +405,7 @@ mod tests {
     fn lu_solves_a_system_that_needs_pivoting() {
         // [[0, 2], [3, 1]] x = (4, 5) has x = (1, 2).
         let mut b = [4.0, 5.0];
-        Lu::new(vec![0.0, 2.0, 3.0, 1.0], 2).solve(&mut b);
+        Lu::new(vec![0.0, 2.0, 3.0, 1.0], 2, &|| false).expect("whole").solve(&mut b);
         assert!((b[0] - 1.0).abs() < 1e-15 && (b[1] - 2.0).abs() < 1e-15);
     }
 }

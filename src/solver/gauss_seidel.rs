@@ -2,6 +2,7 @@ use super::balance::{Aggregates, PowerBalance};
 use super::{LightBases, SweepReport, System};
 use crate::mesh::PatchMesh;
 use crate::transport::FormFactors;
+use crate::watch::Cancelled;
 use rayon::prelude::*;
 
 /// Columns handled together: the rows are read once for all of them.
@@ -55,6 +56,23 @@ impl GaussSeidel {
         system: &System,
         start: Option<&LightBases>,
     ) -> Self {
+        match Self::new_unless(mesh, form_factors, system, start, &|| false) {
+            Ok(solver) => solver,
+            Err(Cancelled) => unreachable!("nobody ends it"),
+        }
+    }
+
+    /// As [`Self::new`]; asks every few milliseconds whether to end.
+    ///
+    /// # Errors
+    /// It was `cancelled`.
+    pub fn new_unless(
+        mesh: &PatchMesh,
+        form_factors: &FormFactors,
+        system: &System,
+        start: Option<&LightBases>,
+        cancelled: &(dyn Fn() -> bool + Sync),
+    ) -> Result<Self, Cancelled> {
         let n = system.patches();
         let start = start.filter(|s| s.patches == n && s.lamps == system.lamps && s.bands == system.bands);
         let columns: Vec<usize> = (0..system.columns()).collect();
@@ -82,8 +100,8 @@ impl GaussSeidel {
                 }
             })
             .collect();
-        let aggregates = Aggregates::new(mesh, form_factors);
-        let balance = PowerBalance::new(form_factors, system, &aggregates);
+        let aggregates = Aggregates::new(mesh, form_factors, cancelled)?;
+        let balance = PowerBalance::new(form_factors, system, &aggregates, cancelled)?;
         let row_sums: Vec<f64> = (0..n).into_par_iter().map(|i| form_factors.row_sum(i)).collect();
         let spectral_bound = (0..n)
             .map(|i| row_sums[i] * system.reflectance[i][..system.bands].iter().copied().fold(0.0, f64::max))
@@ -97,8 +115,8 @@ impl GaussSeidel {
             spectral_bound,
             started: std::time::Instant::now(),
         };
-        solver.groups.par_iter_mut().for_each(|group| group.measure(form_factors, system, &|| false));
-        solver
+        solver.groups.par_iter_mut().for_each(|group| group.measure(form_factors, system, cancelled));
+        if cancelled() { Err(Cancelled) } else { Ok(solver) }
     }
 
     /// One correction and one sweep; polls `cancelled` every few rows. `None` if cancelled, with the
