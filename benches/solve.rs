@@ -9,7 +9,7 @@ use lumenwalk::solve::{
     Control, PipelineError, Prepared, SolveSettings, Stage, patch_reflectance, prepare, solve, system,
 };
 use lumenwalk::solver::{GaussSeidel, LightBases};
-use lumenwalk::transport::FormFactors;
+use lumenwalk::transport::DenseTransport;
 use lumenwalk::watch::Watch;
 use rayon::prelude::*;
 use std::hint::black_box;
@@ -82,16 +82,16 @@ fn stages(criterion: &mut Criterion) {
     group.bench_function("all rows", |b| b.iter(|| all_rows(&made)));
     let mut rows = all_rows(&made);
     group.bench_function("assemble", |b| {
-        b.iter(|| Watch::nobody(|watch| FormFactors::assemble(&made.computer, &mut rows.clone(), watch)));
+        b.iter(|| Watch::nobody(|watch| DenseTransport::assemble(&made.computer, &mut rows.clone(), watch)));
     });
-    let (form_factors, _) = Watch::nobody(|watch| FormFactors::assemble(&made.computer, &mut rows, watch))
+    let transport = Watch::nobody(|watch| DenseTransport::assemble(&made.computer, &mut rows, watch))
         .expect("not cancelled");
     let system = system(&made, &patch_reflectance(&made.mesh, &|_| None));
-    let start = GaussSeidel::new(&made.mesh, &form_factors, &system, None);
+    let start = GaussSeidel::new(&made.mesh, &transport, &system, None);
     group.bench_function("one sweep with its correction", |b| {
         b.iter_batched(
             || start.clone(),
-            |mut solver| solver.sweep(&form_factors, &system, &|| false),
+            |mut solver| solver.sweep(&transport, &system, &|| false),
             criterion::BatchSize::LargeInput,
         );
     });
@@ -150,15 +150,15 @@ fn effects(criterion: &mut Criterion) {
         };
         let made = prepare(scene.clone(), &settings).expect("a mesh");
         group.bench_function(BenchmarkId::new("all rows (visibility)", name), |b| b.iter(|| all_rows(&made)));
-        let (form_factors, _) =
-            Watch::nobody(|watch| FormFactors::assemble(&made.computer, &mut all_rows(&made), watch))
+        let transport =
+            Watch::nobody(|watch| DenseTransport::assemble(&made.computer, &mut all_rows(&made), watch))
                 .expect("not cancelled");
         let system = system(&made, &patch_reflectance(&made.mesh, &|_| None));
-        let start = GaussSeidel::new(&made.mesh, &form_factors, &system, None);
+        let start = GaussSeidel::new(&made.mesh, &transport, &system, None);
         group.bench_function(BenchmarkId::new("one sweep (bands)", name), |b| {
             b.iter_batched(
                 || start.clone(),
-                |mut solver| solver.sweep(&form_factors, &system, &|| false),
+                |mut solver| solver.sweep(&transport, &system, &|| false),
                 criterion::BatchSize::LargeInput,
             );
         });

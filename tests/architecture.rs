@@ -10,33 +10,39 @@ const ROOMS: &[(&str, &str)] = &[
     ("scene", "geometry watch"),
     ("mesh", "scene geometry watch"),
     ("effects", "mesh scene geometry"),
-    ("visibility", "mesh geometry"),
+    ("visibility", "mesh geometry watch"),
     ("emitters", "mesh geometry"),
     ("direct", "emitters visibility mesh geometry watch"),
     ("form_factors", "visibility effects mesh scene geometry watch"),
     ("transport", "form_factors mesh scene geometry watch"),
     ("solver", "transport form_factors effects mesh scene geometry watch"),
     ("accuracy", "solver transport form_factors visibility effects mesh scene geometry"),
-    ("solve", "solver transport direct emitters form_factors effects mesh scene geometry watch"),
-    ("session", "solve solver transport form_factors effects mesh scene geometry watch"),
-    ("validate", "solve solver transport form_factors effects mesh scene geometry"),
-    ("display", "mesh scene geometry"),
+    ("solve", "accuracy solver transport direct emitters form_factors effects mesh scene geometry watch"),
+    (
+        "session",
+        "solve accuracy solver transport direct emitters form_factors effects mesh scene geometry watch",
+    ),
+    ("validate", "solve accuracy solver transport direct emitters form_factors effects mesh scene geometry"),
+    ("display", "direct emitters mesh scene geometry"),
     ("navigation", "mesh scene geometry"),
-    ("render", "navigation display mesh scene geometry"),
+    ("render", "navigation display direct mesh scene geometry"),
     ("export", ""),
-    ("outputs", "export render navigation display solver form_factors effects mesh scene geometry"),
+    (
+        "outputs",
+        "export render navigation display solver direct emitters form_factors effects mesh scene geometry",
+    ),
     (
         "study",
-        "export display solve accuracy solver transport form_factors effects mesh scene geometry watch",
+        "export display solve accuracy solver transport direct emitters form_factors effects mesh scene geometry watch",
     ),
     (
         "ui",
-        "study outputs export render navigation display session solve accuracy solver transport form_factors \
+        "study outputs export render navigation display session solve accuracy solver transport direct emitters form_factors \
          effects mesh scene geometry",
     ),
     (
         "cli",
-        "ui study outputs export render navigation display validate solve accuracy solver form_factors \
+        "ui study outputs export render navigation display validate solve accuracy solver direct emitters form_factors \
          effects mesh scene geometry",
     ),
 ];

@@ -11,7 +11,7 @@ use lumenwalk::form_factors::closed_form::point_to_polygon;
 use lumenwalk::form_factors::{Method, ReceivingPoints};
 use lumenwalk::mesh::{PatchTarget, Side};
 use lumenwalk::scene::{Scene, luminance_weighted};
-use lumenwalk::solve::{SolveSettings, Solved};
+use lumenwalk::solve::{Solution, SolveSettings};
 use lumenwalk::solver::patch_emission;
 use lumenwalk::study;
 use std::sync::Arc;
@@ -31,13 +31,13 @@ fn luminance(v: [f32; 3]) -> f64 {
 
 /// A solve with what its witness and its picture need.
 struct Case {
-    solved: Solved,
+    solved: Solution,
     exitance: Vec<[f32; 3]>,
     shown: Shown,
 }
 
 impl Case {
-    fn new(solved: Solved) -> Self {
+    fn new(solved: Solution) -> Self {
         let lighting = solved.scene.lighting();
         let exitance = solved.mesh.patches.iter().map(|p| patch_emission(p, &lighting)).collect();
         let display = DisplayMesh::build(&solved.mesh, &solved.scene, true);
@@ -372,12 +372,19 @@ fn the_algebraic_error_is_what_further_sweeps_change() {
     }
     let mean = flux / area;
     let truth = (squares / area).sqrt() / mean;
-    let found = algebraic_error(&early.form_factors, &light, &early.reflectance, &counts, mean);
+    let found = algebraic_error(
+        early.transport.as_deref().expect("whole"),
+        &light,
+        &early.reflectance,
+        &counts,
+        mean,
+    );
     println!("true {truth:.3e}, found {found:?}");
     assert!(truth > 1e-6, "an early stop leaves something: {truth}");
     assert!((found.estimate.error / truth - 1.0).abs() < 0.15, "{truth} against {found:?}");
     assert!(found.bound >= truth);
-    let none = algebraic_error(&late.form_factors, &exact, &late.reflectance, &counts, mean);
+    let none =
+        algebraic_error(late.transport.as_deref().expect("whole"), &exact, &late.reflectance, &counts, mean);
     assert!(none.estimate.error < 1e-5, "{none:?}");
 }
 
@@ -450,7 +457,7 @@ fn computing_share(since: std::time::Instant, before: Option<f64>) -> f64 {
 }
 
 /// A solve by one thread, its stages in seconds of computing.
-fn timed(scene: &Arc<Scene>, how: &SolveSettings) -> Solved {
+fn timed(scene: &Arc<Scene>, how: &SolveSettings) -> Solution {
     let (wall, before) = (std::time::Instant::now(), thread_seconds());
     let mut made = solved(scene, how);
     let share = computing_share(wall, before);
@@ -538,7 +545,7 @@ fn an_error_of_one_percent_is_true_and_costs_at_most_twice_the_cheapest() {
         let effects = lumenwalk::effects::EffectChoices::default();
         let reached =
             study::reach(&scene, &lighting, goal, &effects, started, 8.0, observer).expect("solved");
-        let budget = reached.budget.expect("light");
+        let budget = reached.solved.budget.expect("light");
         let solves: f64 = reached.attempts.iter().map(|a| a.seconds).sum();
         for a in &reached.attempts {
             let told = a.budget.map_or(f64::NAN, |b| 100.0 * b.total.error);
@@ -556,7 +563,7 @@ fn an_error_of_one_percent_is_true_and_costs_at_most_twice_the_cheapest() {
         let truth = |places: &[(DVec3, DVec3)]| {
             fine.irradiance_at(places, &light).into_iter().map(luminance_weighted).collect()
         };
-        let case = Case::new(reached.solved);
+        let case = Case::new(Solution::clone(&reached.solved));
         let error = case.true_error(2, budget.mean_irradiance, &truth);
         println!(
             "{name}: true {:.3} %, told {:.3} %; {solves:.1} s of solves, {:.1} s in all",

@@ -30,7 +30,7 @@ fn the_quality_of_a_row_is_that_of_its_samples() {
     let area = |i: usize| made.patches()[i].area;
     let mut compared = 0;
     for (i, row) in sampled.iter().enumerate() {
-        let quality = made.form_factors.quality(i);
+        let quality = made.transport.quality(i);
         assert!((f64::from(quality.sampled_sum) - row.sum()).abs() < 1e-6);
         let pairs: Vec<(f64, f64)> = (0..sampled.len())
             .map(|j| {
@@ -67,12 +67,12 @@ fn the_residual_is_what_another_sweep_would_add() {
     // Before any sweep nothing but the lamp shines: r = rho F E.
     let dark = LightBases { patches: n, lamps: system.lamps, bands: system.bands, values: Vec::new() };
     let start = dark.mix(&made.prepared.mesh, &made.lighting(), &reflectance);
-    let first = residual(&made.form_factors, &reflectance, &start);
+    let first = residual(made.transport.as_ref(), &reflectance, &start);
     let mut checked = 0;
     for i in (0..n).step_by(7) {
         for band in 0..3 {
             let arriving: f64 =
-                (0..n).map(|j| made.form_factors.get(i, j) * f64::from(start.radiosity[j][band])).sum();
+                (0..n).map(|j| made.transport.get(i, j) * f64::from(start.radiosity[j][band])).sum();
             let expected = system.reflectance[i][band] * arriving;
             assert!((f64::from(first[i][band]) - expected).abs() < 1e-5 * expected.max(1e-3), "{i} {band}");
             checked += usize::from(expected > 0.01);
@@ -83,7 +83,7 @@ fn the_residual_is_what_another_sweep_would_add() {
     let size = |r: &[[f32; 3]]| r.iter().flatten().fold(0.0_f32, |m, &x| m.max(x.abs()));
     let (bases, _) = made.sweep(&system, 1e-5);
     let settled: PatchLight = bases.mix(&made.prepared.mesh, &made.lighting(), &reflectance);
-    let last = residual(&made.form_factors, &reflectance, &settled);
+    let last = residual(made.transport.as_ref(), &reflectance, &settled);
     assert!(size(&first) > 0.5 && size(&last) < 1e-3, "{} then {}", size(&first), size(&last));
 }
 

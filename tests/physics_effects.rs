@@ -9,7 +9,7 @@ use lumenwalk::display::DisplayMesh;
 use lumenwalk::effects::{Effect, EffectChoices, EffectState, plan};
 use lumenwalk::mesh::{MeshSettings, PatchTarget, build};
 use lumenwalk::scene::Scene;
-use lumenwalk::solve::{SolveSettings, Solved, prepare};
+use lumenwalk::solve::{Solution, SolveSettings, prepare};
 use lumenwalk::solver::patch_emission;
 use lumenwalk::study;
 use std::sync::Arc;
@@ -27,7 +27,7 @@ fn convex_room(glow: [f64; 3], paint: [f64; 3]) -> Arc<Scene> {
 }
 
 /// Largest difference of irradiance over the largest irradiance.
-fn difference(a: &Solved, b: &Solved) -> f32 {
+fn difference(a: &Solution, b: &Solution) -> f32 {
     let lighting = a.scene.lighting();
     let (x, y) = (a.light(&lighting), b.light(&lighting));
     let pairs = x.irradiance.iter().flatten().zip(y.irradiance.iter().flatten());
@@ -160,7 +160,8 @@ fn rows_of_a_convex_room_are_the_closed_forms() {
 #[test]
 fn what_an_effect_costs_is_measured_where_it_is_on() {
     let with = solved(&room_with_blocks(0.5).scene(), &lines(PatchTarget::Count(600)));
-    let cost = |of: &Solved, effect| of.plan.decisions.iter().find(|d| d.effect == effect).unwrap().measured;
+    let cost =
+        |of: &Solution, effect| of.plan.decisions.iter().find(|d| d.effect == effect).unwrap().measured;
     let visibility = cost(&with, Effect::Visibility).expect("measured").as_secs_f64();
     assert!(visibility > 0.0 && visibility < with.timings.rows, "{visibility} of {}", with.timings.rows);
     let without = solved(&convex_room([1.0; 3], [0.5; 3]), &lines(PatchTarget::Count(300)));
@@ -179,15 +180,15 @@ fn without_smooth_surfaces_the_audit_checks_the_faceted_picture() {
         ..AuditSettings::default()
     };
     let lighting = scene.lighting();
-    let by_plan = |solved: &Solved| study::audit(solved, &lighting, &asked, &|| false).expect("lit").budget;
-    let by_hand = |solved: &Solved, smooth: bool| {
+    let by_plan = |solved: &Solution| study::audit(solved, &lighting, &asked, &|| false).expect("lit").budget;
+    let by_hand = |solved: &Solution, smooth: bool| {
         let mesh = &solved.mesh;
         let light = solved.light(&lighting);
         let display = DisplayMesh::build(mesh, &solved.scene, smooth);
         let exitance: Vec<[f32; 3]> = mesh.patches.iter().map(|p| patch_emission(p, &lighting)).collect();
         let answer = Answer {
             mesh,
-            form_factors: &solved.form_factors,
+            transport: solved.transport.as_deref().expect("whole"),
             light: &light,
             exitance: &exitance,
             reflectance: &solved.reflectance,

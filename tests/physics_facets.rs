@@ -6,7 +6,7 @@ use common::{Model, lines, solved};
 use glam::{DVec3, dvec3};
 use lumenwalk::form_factors::closed_form::point_to_polygon;
 use lumenwalk::mesh::PatchTarget;
-use lumenwalk::solve::Solved;
+use lumenwalk::solve::Solution;
 use lumenwalk::study;
 use std::f64::consts::{PI, TAU};
 
@@ -82,7 +82,7 @@ fn probes(lamp: DVec3) -> Vec<(DVec3, DVec3)> {
     probes
 }
 
-fn errors_at(solved: &Solved, probes: &[(DVec3, DVec3)], exact: impl Fn(DVec3, DVec3) -> f64) -> Vec<f64> {
+fn errors_at(solved: &Solution, probes: &[(DVec3, DVec3)], exact: impl Fn(DVec3, DVec3) -> f64) -> Vec<f64> {
     let lighting = solved.scene.lighting();
     let found = study::points(solved, &lighting, &solved.light(&lighting), probes);
     let largest = probes.iter().map(|&(p, n)| exact(p, n)).fold(0.0, f64::max);

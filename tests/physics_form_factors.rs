@@ -53,7 +53,7 @@ fn what_hides_a_lamp_from_the_middle_of_a_patch_alone_does_not_hide_it_from_the_
         }
     }
     let expected = sum / f64::from(40 * 40 * 64) * 0.01;
-    close("from the floor to the lamp", made.form_factors.get(of(0.0), of(2.0)), expected, 0.1);
+    close("from the floor to the lamp", made.transport.get(of(0.0), of(2.0)), expected, 0.1);
 }
 
 #[test]
@@ -83,7 +83,7 @@ fn two_single_patches_exchange_what_the_closed_forms_say() {
         for (method, resolution) in METHODS {
             let made = assembled(&pair(a, b), &settings(PatchTarget::AsGiven, method, resolution));
             assert_eq!(made.patches().len(), 2, "{name}");
-            close(&format!("{name} by {}", method.name()), made.form_factors.get(0, 1), expected, 5e-3);
+            close(&format!("{name} by {}", method.name()), made.transport.get(0, 1), expected, 5e-3);
         }
     }
     // Far apart no closed form steps in, and the centre stands for the patch.
@@ -91,7 +91,7 @@ fn two_single_patches_exchange_what_the_closed_forms_say() {
         let made =
             assembled(&pair(&floor, &facing(10.0)), &settings(PatchTarget::AsGiven, method, resolution));
         let tolerance = if method == Method::Lines { 5e-3 } else { 0.1 };
-        close(method.name(), made.form_factors.get(0, 1), 0.003_162_056_838_757_60, tolerance);
+        close(method.name(), made.transport.get(0, 1), 0.003_162_056_838_757_60, tolerance);
     }
 }
 
@@ -152,18 +152,18 @@ fn a_convex_body_in_an_enclosure_sees_the_enclosure_alone() {
 
 /// Asserts what holds for any matrix of exchange areas, and that closed rows sum to one.
 fn check_identities(name: &str, made: &Assembled, closed: bool) {
-    let f = &made.form_factors;
+    let f = &made.transport;
     let mut unlit = 0.0;
     for i in 0..f.len() {
-        let (columns, values) = f.row(i);
-        for (&j, &s) in columns.iter().zip(values) {
-            let (back, mirrored) = f.row(j as usize);
-            let at =
-                back.binary_search(&(i as u32)).unwrap_or_else(|_| panic!("{name}: {j} does not see {i}"));
-            assert_eq!(s.to_bits(), mirrored[at].to_bits(), "{name}: S_{i},{j} is not S_{j},{i}");
+        for (j, s) in f.row(i) {
+            let back = f.row(j as usize);
+            let at = back
+                .binary_search_by_key(&(i as u32), |entry| entry.0)
+                .unwrap_or_else(|_| panic!("{name}: {j} does not see {i}"));
+            assert_eq!(s.to_bits(), back[at].1.to_bits(), "{name}: S_{i},{j} is not S_{j},{i}");
             assert!(s >= 0.0 && s.is_finite(), "{name}: S_{i},{j} = {s}");
         }
-        assert!(f.diagonal(i) >= 0.0, "{name}");
+        assert!(f.own(i) >= 0.0, "{name}");
         let sum = f.row_sum(i);
         assert!(sum <= 1.0 + 1e-12, "{name}: row {i} sends out {sum}");
         // What lies under a box sees nothing that is lit.
@@ -171,11 +171,7 @@ fn check_identities(name: &str, made: &Assembled, closed: bool) {
         unlit += if takes_part { 0.0 } else { f.area(i) };
         if closed && takes_part {
             assert!((sum - 1.0).abs() < 1e-6, "{name}: row {i} of a closed room sums to {sum}");
-            assert!(
-                f.diagonal(i) < 1e-3 * f.area(i),
-                "{name}: row {i} sees itself: {}",
-                f.diagonal(i) / f.area(i)
-            );
+            assert!(f.own(i) < 1e-3 * f.area(i), "{name}: row {i} sees itself: {}", f.own(i) / f.area(i));
         }
     }
     let area: f64 = (0..f.len()).map(|i| f.area(i)).sum();
@@ -225,7 +221,7 @@ fn what_leaves_an_open_box_is_its_opening() {
         let made = assembled(&scene, &settings(PatchTarget::Size(0.126), method, resolution));
         check_identities("open box", &made, false);
         let escaping = |chosen: &[usize]| -> f64 {
-            chosen.iter().map(|&i| made.patches()[i].area * (1.0 - made.form_factors.row_sum(i))).sum()
+            chosen.iter().map(|&i| made.patches()[i].area * (1.0 - made.transport.row_sum(i))).sum()
         };
         // The opening of 1 m² sees the box alone: by reciprocity that is what escapes.
         let name = method.name();
@@ -244,7 +240,7 @@ fn what_leaves_a_cap_is_its_opening() {
         let made = assembled(&m.one_sided(), &settings(PatchTarget::AsGiven, Method::Lines, 192));
         check_identities("cap", &made, false);
         let all = made.of(|_| true);
-        let sum: f64 = all.iter().map(|&i| made.patches()[i].area * made.form_factors.row_sum(i)).sum();
+        let sum: f64 = all.iter().map(|&i| made.patches()[i].area * made.transport.row_sum(i)).sum();
         // The opening is a flat polygon of 24 corners that sees the cap alone, whatever its facets.
         let opening = 12.0 * (1.0 - low * low) * (std::f64::consts::TAU / 24.0).sin();
         let area = made.area(&all);

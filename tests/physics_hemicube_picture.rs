@@ -6,11 +6,11 @@ use common::{Assembled, assembled, builtin, lines, mean};
 use glam::{DVec3, dvec3};
 use lumenwalk::mesh::PatchTarget;
 use lumenwalk::scene::illuminance;
-use lumenwalk::solve::Solved;
+use lumenwalk::solve::Solution;
 use std::sync::{Arc, LazyLock};
 
 /// The room as it is, and its light; solved once for all tests.
-static ROOM: LazyLock<(Assembled, Solved)> = LazyLock::new(|| {
+static ROOM: LazyLock<(Assembled, Solution)> = LazyLock::new(|| {
     let scene = builtin("hemicube");
     (assembled(&scene, &lines(PatchTarget::Auto)), common::solved(&scene, &lines(PatchTarget::Auto)))
 });

@@ -9,7 +9,7 @@ use lumenwalk::form_factors::Method;
 use lumenwalk::form_factors::closed_form::point_to_polygon;
 use lumenwalk::mesh::PatchTarget;
 use lumenwalk::scene::{Scene, luminance_weighted};
-use lumenwalk::solve::{SolveSettings, Solved};
+use lumenwalk::solve::{Solution, SolveSettings};
 use lumenwalk::study;
 use std::sync::Arc;
 
@@ -18,7 +18,7 @@ fn methods() -> impl Iterator<Item = (Method, u32)> {
     METHODS.into_iter().chain([(Method::AlignedHemicube, 128)])
 }
 
-fn at(solved: &Solved, points: &[(DVec3, DVec3)]) -> Vec<f64> {
+fn at(solved: &Solution, points: &[(DVec3, DVec3)]) -> Vec<f64> {
     let light = solved.light(&solved.scene.lighting());
     solved.irradiance_at(points, &light).iter().map(|h| h[0]).collect()
 }
@@ -111,7 +111,7 @@ fn without_occlusion_by_choice_nothing_hides_from_points_either() {
 }
 
 /// Luminance of irradiance and its estimated error at points.
-fn estimated(solved: &Solved, points: &[(DVec3, DVec3)]) -> Vec<(f64, f64)> {
+fn estimated(solved: &Solution, points: &[(DVec3, DVec3)]) -> Vec<(f64, f64)> {
     let lighting = solved.scene.lighting();
     let found = study::points(solved, &lighting, &solved.light(&lighting), points);
     found.iter().map(|p| (luminance_weighted(p.irradiance), p.error)).collect()

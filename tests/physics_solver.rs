@@ -24,7 +24,7 @@ fn cube() -> Model {
 
 /// Patches that see something; what lies under a box sees nothing, and stays dark.
 fn lit(made: &Assembled) -> Vec<usize> {
-    (0..made.patches().len()).filter(|&i| made.form_factors.row_sum(i) > 0.0).collect()
+    (0..made.patches().len()).filter(|&i| made.transport.row_sum(i) > 0.0).collect()
 }
 
 #[test]
@@ -234,7 +234,7 @@ fn check_eight_sweeps(name: &str, made: &Assembled, system: &System) {
     let mut solver = made.solver(system);
     let mut report = solver.report(system);
     for _ in 0..8 {
-        report = solver.sweep(&made.form_factors, system, &|| false).expect("not cancelled");
+        report = solver.sweep(made.transport.as_ref(), system, &|| false).expect("not cancelled");
     }
     let bases = solver.bases(system);
     let columns = system.columns();
@@ -454,7 +454,7 @@ fn preparing_rows_and_sweeps_ends_when_it_is_asked_to() {
         RowComputer::new_unless(mesh.clone(), sampling, true, cancelled).map(|_| ())
     };
     let sweeps = |cancelled: &(dyn Fn() -> bool + Sync)| {
-        GaussSeidel::new_unless(mesh, &made.form_factors, &system, None, cancelled).map(|_| ())
+        GaussSeidel::new_unless(mesh, made.transport.as_ref(), &system, None, cancelled).map(|_| ())
     };
     let works: [(&str, &dyn Fn(&(dyn Fn() -> bool + Sync)) -> Result<(), Cancelled>); 2] =
         [("rows", &rows), ("sweeps", &sweeps)];

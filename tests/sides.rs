@@ -8,7 +8,7 @@ use glam::DVec3;
 use lumenwalk::mesh::{Patch, PatchTarget};
 use lumenwalk::outputs::save_repaired;
 use lumenwalk::scene::{FindingKind, Scene, SceneSource, Severity, check, from_text, illuminance, load};
-use lumenwalk::solve::{SolveSettings, Solved, prepare};
+use lumenwalk::solve::{Solution, SolveSettings, prepare};
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
 use std::sync::Arc;
@@ -85,13 +85,13 @@ fn both_shells(height: f64) -> Text {
     shells.lamp(0.6, 2.4).lamp(3.4, height)
 }
 
-fn solve(scene: &Arc<Scene>) -> Solved {
+fn solve(scene: &Arc<Scene>) -> Solution {
     solved(scene, &SolveSettings { patches: PatchTarget::Size(0.3), ..SolveSettings::default() })
 }
 
 /// Area, and mean irradiance per band, of the patches of a material on one side of x = 2 that see into the
 /// room there.
-fn light(solved: &Solved, material: &str, in_left: bool) -> (f64, [f64; 3]) {
+fn light(solved: &Solution, material: &str, in_left: bool) -> (f64, [f64; 3]) {
     let light = solved.light(&solved.scene.lighting());
     let (mut area, mut flux) = (0.0, [0.0; 3]);
     for (patch, irradiance) in solved.mesh.patches.iter().zip(&light.irradiance) {
@@ -105,7 +105,7 @@ fn light(solved: &Solved, material: &str, in_left: bool) -> (f64, [f64; 3]) {
 }
 
 /// Holds that every material is lit in a room as it is where that room is a model of its own.
-fn is_lit_alike(what: &str, whole: &Solved, alone: &Solved, in_left: bool, tolerance: f64) {
+fn is_lit_alike(what: &str, whole: &Solution, alone: &Solution, in_left: bool, tolerance: f64) {
     for material in &alone.scene.materials {
         let (area, expected) = light(alone, &material.name, in_left);
         if area == 0.0 {
@@ -218,7 +218,7 @@ fn a_room_beside_a_lower_one_shares_a_part_of_its_wall() {
     close("poster", light(&solved, "blue", false).0, 1.2 * 3.0, 1e-6);
     let poster_first = street.clone().face("poster", "blue", &wall(2., 1.2, 1.));
     let poster_first = solve(&beside(poster_first).scene(""));
-    let pavement = |s: &Solved| light(s, "grey", false).1;
+    let pavement = |s: &Solution| light(s, "grey", false).1;
     // Seen from the street it might as well end above the poster.
     let upper = [[2., 1.2, 0.], [2., 1.2, 3.], [2., 2.4, 3.], [2., 2.4, 0.]];
     let apart = street.face("wall", "red", &upper).face("poster", "blue", &wall(2., 1.2, 1.));

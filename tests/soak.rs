@@ -44,7 +44,7 @@ fn write(folder: &Path, name: &str, model: &Model) -> SceneSource {
 fn settle(session: &Session, news: &Receiver<()>, name: &str, settings: &SolveSettings) {
     loop {
         let latest = session.latest();
-        let scene = latest.scene.as_ref().map(|s| s.name.as_str());
+        let scene = latest.scene().map(|s| s.name.as_str());
         if latest.stage == Stage::Converged && scene == Some(name) && latest.settings == *settings {
             return;
         }
@@ -90,7 +90,7 @@ fn soak(length: Duration, seed: u64) {
                         .map(|r| r.min(0.98)),
                 };
                 // At times of a scene that is about to be replaced.
-                if let Some(scene) = &session.latest().scene {
+                if let Some(scene) = session.latest().scene() {
                     session.set_materials(scene, vec![edit]);
                 }
             }
@@ -100,14 +100,15 @@ fn soak(length: Duration, seed: u64) {
             // A lamp is switched and dimmed over the latest picture.
             _ => {
                 let latest = session.latest();
-                if let (Some(scene), Some(mesh), Some(bases)) = (&latest.scene, &latest.mesh, &latest.bases)
+                if let (Some(scene), Some(mesh), Some(bases)) =
+                    (latest.scene(), latest.mesh(), latest.bases())
                     && bases.patches == mesh.patches.len()
                 {
                     let mut lighting = scene.lighting();
                     for lamp in &mut lighting.lamps {
                         (lamp.on, lamp.dimmer) = (random.below(3) > 0, random.share());
                     }
-                    let light = bases.mix(mesh, &lighting, &latest.reflectance);
+                    let light = bases.mix(mesh, &lighting, latest.reflectance().expect("as solved for"));
                     assert!(light.radiosity.iter().flatten().all(|b| b.is_finite() && *b >= 0.0));
                 }
             }
@@ -129,10 +130,10 @@ fn soak(length: Duration, seed: u64) {
     session.open(source.clone());
     session.set_settings(last.clone());
     settle(&session, &news, name, &last);
-    session.set_materials(session.latest().scene.as_ref().expect("settled"), vec![edit]);
+    session.set_materials(session.latest().scene().expect("settled"), vec![edit]);
     loop {
         let latest = session.latest();
-        let painted = latest.reflectance.iter().any(|r| (r[2] - 0.8).abs() < 1e-6);
+        let painted = latest.reflectance().is_some_and(|all| all.iter().any(|r| (r[2] - 0.8).abs() < 1e-6));
         if latest.stage == Stage::Converged && painted {
             break;
         }

@@ -3,8 +3,7 @@
 use super::Estimate;
 use crate::scene::luminance_weighted;
 use crate::solver::PatchLight;
-use crate::transport::FormFactors;
-use rayon::prelude::*;
+use crate::transport::Transport;
 
 /// The solver's own error, relative to the mean irradiance.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -30,38 +29,36 @@ const TAIL: f64 = 0.05;
 /// `counts` tells the patches over which the mean square is taken; `mean` is the mean luminance of
 /// irradiance there, W/m². Works on any thread; one pass over the rows a term.
 pub fn algebraic_error(
-    form_factors: &FormFactors,
+    transport: &dyn Transport,
     light: &PatchLight,
     reflectance: &[[f32; 3]],
     counts: &[bool],
     mean: f64,
 ) -> AlgebraicError {
-    let n = form_factors.len();
+    let n = transport.len();
     if n == 0 || light.irradiance.len() != n || light.radiosity.len() != n || mean <= 0.0 {
         return AlgebraicError::default();
     }
     let rho = |i: usize, b: usize| reflectance.get(i).map_or(0.0, |r| f64::from(r[b]));
-    let gather = |source: &[[f64; 3]]| -> Vec<[f64; 3]> {
-        (0..n).into_par_iter().with_min_len(64).map(|i| gathered(form_factors, i, source)).collect()
-    };
     let radiosity: Vec<[f64; 3]> = light.radiosity.iter().map(|b| b.map(f64::from)).collect();
-    let mut term: Vec<[f64; 3]> = gather(&radiosity)
+    let mut term: Vec<[f64; 3]> = transport
+        .gather_bands(&radiosity)
         .iter()
         .zip(&light.irradiance)
         .map(|(after, before)| std::array::from_fn(|b| after[b] - f64::from(before[b])))
         .collect();
 
     let contraction = (0..n)
-        .map(|i| form_factors.row_sum(i) * (0..3).map(|b| rho(i, b)).fold(0.0, f64::max))
+        .map(|i| transport.row_sum(i) * (0..3).map(|b| rho(i, b)).fold(0.0, f64::max))
         .fold(0.0, f64::max);
     let largest = term.iter().flatten().map(|d| d.abs()).fold(0.0, f64::max);
     let bound = largest / (1.0 - contraction).max(1e-12) / mean;
 
-    let area: f64 = (0..n).filter(|&i| counts[i]).map(|i| form_factors.area(i)).sum();
+    let area: f64 = (0..n).filter(|&i| counts[i]).map(|i| transport.area(i)).sum();
     let rms = |field: &[[f64; 3]]| {
         let sum: f64 = (0..n)
             .filter(|&i| counts[i])
-            .map(|i| form_factors.area(i) * luminance_weighted(field[i]).powi(2))
+            .map(|i| transport.area(i) * luminance_weighted(field[i]).powi(2))
             .sum();
         (sum / area.max(f64::MIN_POSITIVE)).sqrt() / mean
     };
@@ -71,7 +68,7 @@ pub fn algebraic_error(
     for _ in 0..MOST {
         let source: Vec<[f64; 3]> =
             term.iter().enumerate().map(|(i, d)| std::array::from_fn(|b| rho(i, b) * d[b])).collect();
-        term = gather(&source);
+        term = transport.gather_bands(&source);
         for (s, d) in sum.iter_mut().zip(&term) {
             (0..3).for_each(|b| s[b] += d[b]);
         }
@@ -89,15 +86,4 @@ pub fn algebraic_error(
         estimate: Estimate { error, low: (error - tail).max(0.0), high: error + tail },
         bound: bound.max(error),
     }
-}
-
-/// Irradiance of patch `i` by its stored row.
-pub(super) fn gathered(form_factors: &FormFactors, i: usize, radiosity: &[[f64; 3]]) -> [f64; 3] {
-    let (columns, values) = form_factors.row(i);
-    let mut sum = radiosity[i].map(|b| b * form_factors.diagonal(i));
-    for (&j, &s) in columns.iter().zip(values) {
-        let other = &radiosity[j as usize];
-        (0..3).for_each(|b| sum[b] += f64::from(s) * other[b]);
-    }
-    sum.map(|s| s / form_factors.area(i))
 }

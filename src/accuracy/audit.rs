@@ -1,6 +1,5 @@
 //! Draws receivers, asks the witness, and adds up the budget.
 
-use super::algebraic::gathered;
 use super::interval::{Estimate, Sample, estimate};
 use super::map::{ErrorMap, Signs, map};
 use super::sobol::{mix, unit};
@@ -10,7 +9,7 @@ use super::{AlgebraicError, algebraic_error};
 use crate::mesh::PatchMesh;
 use crate::scene::luminance_weighted;
 use crate::solver::PatchLight;
-use crate::transport::FormFactors;
+use crate::transport::Transport;
 use rayon::prelude::*;
 use std::time::Instant;
 
@@ -20,7 +19,7 @@ pub struct Answer<'a> {
     /// Its patches.
     pub mesh: &'a PatchMesh,
     /// All form factors.
-    pub form_factors: &'a FormFactors,
+    pub transport: &'a dyn Transport,
     /// Light of each patch.
     pub light: &'a PatchLight,
     /// Exitance of each patch, W/m² per band.
@@ -191,7 +190,8 @@ const INFORMED: f64 = 0.5;
 pub struct Audit<'a> {
     answer: Answer<'a>,
     witness: Witness<'a>,
-    radiosity: Vec<[f64; 3]>,
+    /// Luminance of the irradiance that each patch gathers by its row, W/m².
+    by_row: Vec<f64>,
     counts: Vec<bool>,
     /// Probability by which each patch is drawn as long as nothing is known; their sum is one.
     chance: Vec<f64>,
@@ -205,7 +205,7 @@ impl<'a> Audit<'a> {
     pub fn new(answer: Answer<'a>) -> Option<Self> {
         let mesh = answer.mesh;
         let n = mesh.patches.len();
-        if answer.form_factors.len() != n || answer.light.irradiance.len() != n {
+        if answer.transport.len() != n || answer.light.irradiance.len() != n {
             return None;
         }
         let counts: Vec<bool> = mesh.patches.iter().map(|p| p.luminaire.is_none() && !p.buried).collect();
@@ -239,11 +239,12 @@ impl<'a> Audit<'a> {
         let mean_of =
             |f: &dyn Fn(usize) -> f64| (0..n).map(|i| mesh.patches[i].area * f(i)).sum::<f64>() / all;
         let rho = mean_of(&|i| answer.reflectance.get(i).map_or(0.0, |&r| lum(r)));
-        let closed = mean_of(&|i| answer.form_factors.row_sum(i));
+        let closed = mean_of(&|i| answer.transport.row_sum(i));
+        let radiosity: Vec<[f64; 3]> = answer.light.radiosity.iter().map(|b| b.map(f64::from)).collect();
         Some(Self {
             answer,
             witness,
-            radiosity: answer.light.radiosity.iter().map(|b| b.map(f64::from)).collect(),
+            by_row: answer.transport.gather_bands(&radiosity).into_iter().map(luminance_weighted).collect(),
             counts,
             chance,
             area,
@@ -258,7 +259,7 @@ impl<'a> Audit<'a> {
         let clock = Instant::now();
         let out_of_time = || stop() || clock.elapsed().as_secs_f64() > settings.seconds;
         let solver = algebraic_error(
-            self.answer.form_factors,
+            self.answer.transport,
             self.answer.light,
             self.answer.reflectance,
             &self.counts,
@@ -430,7 +431,7 @@ impl<'a> Audit<'a> {
         let choice = witness.lamp_choice(patch);
         let (point, shown) = witness.point_on(patch, unit(key + 1), unit(key + 2));
         let relative = |h: f64| h / self.mean;
-        let by_row = luminance_weighted(gathered(self.answer.form_factors, i, &self.radiosity));
+        let by_row = self.by_row[i];
         let places = [Receiver::Whole, Receiver::Point(point)];
 
         // 1. A few rays, to see how many it takes: the variance falls as n^-1.5 across jumps.

@@ -7,13 +7,13 @@ use crate::export::{
     AccuracyReport, AreaReport, AttemptReport, DominantReport, ErrorReport, GoalReport, RangeReport,
 };
 use crate::scene::{LUMINOUS_EFFICACY, Lighting, Scene};
-use crate::solve::{Control, Solved, Timings};
+use crate::solve::{Control, Solution, Timings};
 use crate::study::{self, Goal, News, Reached};
 use std::sync::Arc;
 use std::time::Instant;
 
 /// Audits a finished solve; `None` where no light arrives.
-pub(super) fn audit(solved: &Solved, lighting: &Lighting) -> Option<ErrorBudget> {
+pub(super) fn audit(solved: &Solution, lighting: &Lighting) -> Option<ErrorBudget> {
     study::audit(solved, lighting, &AuditSettings::default(), &|| false).map(|found| found.budget)
 }
 

@@ -9,7 +9,7 @@ use crate::navigation::Camera;
 use crate::outputs::{StillKind, StillLight, save_lit_mesh, save_still};
 use crate::render::{Picker, Still, StillOptions, render_still};
 use crate::scene::{Lighting, View};
-use crate::solve::Solved;
+use crate::solve::Solution;
 use crate::solver::PatchLight;
 use glam::DVec2;
 use std::path::Path;
@@ -36,7 +36,7 @@ pub(super) fn kind_of(path: &Path) -> Result<StillKind, Failure> {
 
 /// A solution made ready to have its picture taken.
 pub(super) struct Studio<'a> {
-    solved: &'a Solved,
+    solved: &'a Solution,
     /// What was solved.
     light: &'a PatchLight,
     /// What a scene without lamps is shown in instead.
@@ -48,14 +48,14 @@ pub(super) struct Studio<'a> {
 }
 
 /// The scene in plain even light.
-fn even(solved: &Solved) -> PatchLight {
+fn even(solved: &Solution) -> PatchLight {
     let open = openness(&solved.mesh, &|| false);
     let irradiance = even_light(&solved.mesh, solved.scene.up, open.as_deref());
     PatchLight::reflected(irradiance, &solved.reflectance)
 }
 
 impl<'a> Studio<'a> {
-    pub(super) fn new(solved: &'a Solved, lighting: &Lighting, light: &'a PatchLight) -> Self {
+    pub(super) fn new(solved: &'a Solution, lighting: &Lighting, light: &'a PatchLight) -> Self {
         let smooth = solved.plan.is_on(Effect::SmoothSurfaces);
         let mesh = DisplayMesh::build(&solved.mesh, &solved.scene, smooth);
         let even = solved.scene.luminaires.is_empty().then(|| even(solved));

@@ -3,7 +3,7 @@
 use super::text;
 use crate::export::{ExportError, PointResult, PointsReport, SurfacePoint, write_irradiance};
 use crate::scene::{LUMINOUS_EFFICACY, Lighting, illuminance};
-use crate::solve::Solved;
+use crate::solve::Solution;
 use crate::solver::PatchLight;
 use crate::study::{self, PointErrors};
 use glam::DVec3;
@@ -19,7 +19,7 @@ pub(super) struct Gathered {
 /// Gathers at points in the coordinates of the scene's file.
 pub(super) fn gather(
     points: &[SurfacePoint],
-    solved: &Solved,
+    solved: &Solution,
     lighting: &Lighting,
     light: &PatchLight,
 ) -> Gathered {

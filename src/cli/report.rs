@@ -5,7 +5,7 @@ use crate::export::{
 };
 use crate::mesh::{PatchMesh, PatchTarget};
 use crate::scene::{Lighting, Scene, Severity};
-use crate::solve::{SolveSettings, Solved};
+use crate::solve::Solution;
 use crate::solver::{PatchLight, patch_emission};
 
 /// Seconds that the pipeline does not measure itself.
@@ -23,14 +23,13 @@ pub(super) struct OwnTimings {
 
 /// Everything that a solve tells, as plain values.
 pub(super) fn report(
-    solved: &Solved,
-    settings: &SolveSettings,
+    solved: &Solution,
     lighting: &Lighting,
     light: &PatchLight,
     own: OwnTimings,
     outputs: Vec<String>,
 ) -> Report {
-    let statistics = &solved.mesh.statistics;
+    let (statistics, settings) = (&solved.mesh.statistics, &solved.settings);
     let last = solved.sweeps.last();
     let timings = &solved.timings;
     Report {
@@ -64,14 +63,14 @@ pub(super) fn report(
             patch_size_m: statistics.patch_size,
         },
         form_factors: FormFactorReport {
-            entries: solved.form_factors.entries(),
-            bytes: solved.form_factors.bytes(),
-            close_pairs: solved.assembled.close_pairs,
-            worst_closure: solved.assembled.worst_closure,
-            mean_reciprocity: solved.assembled.mean_reciprocity,
-            balance_passes: solved.assembled.passes,
-            imbalance: solved.assembled.imbalance,
-            kept: solved.assembled.kept,
+            entries: solved.transport.as_ref().map_or(0, |t| t.entries()),
+            bytes: solved.transport.as_ref().map_or(0, |t| t.bytes()),
+            close_pairs: solved.assembled().close_pairs,
+            worst_closure: solved.assembled().worst_closure,
+            mean_reciprocity: solved.assembled().mean_reciprocity,
+            balance_passes: solved.assembled().passes,
+            imbalance: solved.assembled().imbalance,
+            kept: solved.assembled().kept,
         },
         effects: solved
             .plan

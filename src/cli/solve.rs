@@ -14,7 +14,7 @@ use crate::effects::Effect;
 use crate::export::{self, atomic, read_points};
 use crate::outputs::{LitScene, StillKind, save_patch_table};
 use crate::scene::{self, Lighting, Scene, Severity, View};
-use crate::solve::{self, Control, Progress, SolveSettings, Solved};
+use crate::solve::{self, Control, Progress, Solution, SolveSettings};
 use crate::solver::PatchLight;
 use crate::study::Goal;
 use clap::{ArgGroup, Args};
@@ -192,16 +192,13 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
     let goal = arguments.goal().filter(|_| !is_unlit);
     let reached =
         goal.map(|goal| budget::reach(&scene, &lighting, goal, &settings.effects, start)).transpose()?;
-    let (solved, light, settings) = match &reached {
-        Some(reached) => (reached.solved.clone(), reached.solved.light(&lighting), reached.settings.clone()),
-        None => {
-            let (solved, light) = solve(scene, &settings, &lighting)?;
-            (solved, light, settings)
-        }
+    let (solved, light) = match &reached {
+        Some(reached) => (reached.solved.clone(), reached.solved.light(&lighting)),
+        None => solve(scene, &settings, &lighting)?,
     };
     let solve_seconds = start.elapsed().as_secs_f64();
     let audited = match &reached {
-        Some(reached) => reached.budget,
+        Some(reached) => reached.solved.budget,
         None => (arguments.audit && !is_unlit).then(|| budget::audit(&solved, &lighting)).flatten(),
     };
     let outputs_start = Instant::now();
@@ -233,12 +230,12 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
         let own = OwnTimings { load: load_seconds, display, outputs, total };
         let accuracy = audited
             .map(|found| budget::report(&found, &solved.scene, &solved.timings, goal.zip(reached.as_ref())));
-        let mut report = report::report(&solved, &settings, &lighting, &light, own, written.files().to_vec());
+        let mut report = report::report(&solved, &lighting, &light, own, written.files().to_vec());
         report.accuracy = accuracy;
         report.points = gathered.as_ref().map(points::Gathered::report);
         written.note(path, export::write_report(path, &report));
     }
-    let mut told = summary(&solved, &settings, solve_seconds);
+    let mut told = summary(&solved, solve_seconds);
     if let Some(found) = &audited {
         told += &budget::lines(found, &solved.scene);
     }
@@ -280,9 +277,9 @@ pub(super) fn solve(
     scene: Arc<Scene>,
     settings: &SolveSettings,
     lighting: &Lighting,
-) -> Result<(Solved, PatchLight), Failure> {
+) -> Result<(Arc<Solution>, PatchLight), Failure> {
     if scene.luminaires.is_empty() {
-        let solved = solve::without_light(scene, settings)?;
+        let solved = Arc::new(solve::without_light(scene, settings)?);
         let light = solved.light(lighting);
         return Ok((solved, light));
     }
@@ -292,13 +289,14 @@ pub(super) fn solve(
         Control::Continue
     };
     // An interrupt ends the process itself; nothing else cancels.
-    let solved = solve::solve(scene, settings, &AtomicBool::new(false), observe)?;
+    let solved = Arc::new(solve::solve(scene, settings, &AtomicBool::new(false), observe)?);
     let light = solved.light(lighting);
     Ok((solved, light))
 }
 
 /// What was solved, how well and how fast, in a few lines.
-pub(super) fn summary(solved: &Solved, settings: &SolveSettings, seconds: f64) -> String {
+pub(super) fn summary(solved: &Solution, seconds: f64) -> String {
+    let settings = &solved.settings;
     if solved.scene.luminaires.is_empty() {
         let patches = text::patches(solved.mesh.patches.len());
         let seconds = text::seconds(seconds);
@@ -340,7 +338,7 @@ pub(super) fn summary(solved: &Solved, settings: &SolveSettings, seconds: f64) -
 }
 
 /// Seconds that it takes from the lamps' bases to the smoothly shaded corners.
-fn display_seconds(solved: &Solved, lighting: &Lighting) -> f64 {
+fn display_seconds(solved: &Solution, lighting: &Lighting) -> f64 {
     let display = DisplayMesh::build(&solved.mesh, &solved.scene, solved.plan.is_on(Effect::SmoothSurfaces));
     let clock = Instant::now();
     let light = solved.light(lighting);

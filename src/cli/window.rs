@@ -76,7 +76,7 @@ fn headless(name: &str, arguments: &Arguments) -> Result<(), Failure> {
     let (solved, light) = solve::solve(scene, &settings, &lighting)?;
     let studio = Studio::new(&solved, &lighting, &light);
     studio.write_view(&path, StillKind::Png, &view, picture::DEFAULT_SIZE)?;
-    let summary = solve::summary(&solved, &settings, start.elapsed().as_secs_f64());
+    let summary = solve::summary(&solved, start.elapsed().as_secs_f64());
     text::print(&format!("{summary}wrote {}\n", path.display()))
 }
 

@@ -16,6 +16,8 @@ pub struct Clipper {
     planes: Vec<DVec3>,
     inside: Vec<DVec3>,
     rest: Vec<DVec3>,
+    /// Twice the area of the outline above the horizon, m².
+    extent: f64,
 }
 
 /// Polygons in one list of corners.
@@ -52,6 +54,9 @@ impl Polygons {
 
 /// A plane through the origin runs through a corner that is nearer to it than this share of its distance.
 const ON_PLANE: f64 = 1e-12;
+/// Among more fragments than so many, those of less than this share of the outline's area are left out.
+const FEW: usize = 8;
+const SLIVER: f64 = 1e-6;
 
 impl Clipper {
     /// Begins with an outline and what of it lies above the horizon of a receiver with this normal.
@@ -60,6 +65,7 @@ impl Clipper {
         self.inside.clear();
         split(outline, normal, &mut self.inside, None);
         if self.inside.len() >= 3 {
+            self.extent = extent(&self.inside);
             self.fragments.push(&self.inside);
         }
     }
@@ -124,7 +130,27 @@ impl Clipper {
             }
         }
         std::mem::swap(&mut self.fragments, &mut self.cut);
+        if self.fragments.ends.len() > FEW {
+            self.drop_slivers();
+        }
     }
+
+    /// Leaves out fragments too small to count.
+    fn drop_slivers(&mut self) {
+        self.cut.clear();
+        for fragment in self.fragments.iter() {
+            if extent(fragment) > SLIVER * self.extent {
+                self.cut.push(fragment);
+            }
+        }
+        std::mem::swap(&mut self.fragments, &mut self.cut);
+    }
+}
+
+/// Twice the area of a polygon, m².
+fn extent(corners: &[DVec3]) -> f64 {
+    let Some((&first, rest)) = corners.split_first() else { return 0.0 };
+    rest.windows(2).map(|e| (e[0] - first).cross(e[1] - first)).sum::<DVec3>().length()
 }
 
 /// The part of a convex polygon where `plane · x >= 0`; the rest is added to `outside`, where that is asked for.

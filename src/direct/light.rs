@@ -34,15 +34,22 @@ pub struct Scratch {
     outline: Vec<DVec3>,
     relative: Vec<DVec3>,
     found: Vec<u32>,
+    edges: Vec<DVec3>,
+    /// Half-spaces that hold all that is between a point and an outline: normals and offsets.
+    beams: Vec<(DVec3, f64)>,
 }
 
 /// What is nearer to a plane than this share of the scene's size counts as in it.
 const THICKNESS: f64 = 2e-7;
 /// What is left of an outline in more fragments is looked at by half-planes.
-const MOST_FRAGMENTS: usize = 64;
+const MOST_FRAGMENTS: usize = 128;
+/// What passes beside an outline is left out by so many of its edges at most.
+const MOST_BEAMS: usize = 8;
 /// What so many obstacles may hide is looked at by rays, so many along each edge of its outline.
 const MOST_OBSTACLES: usize = 512;
 const RAYS: u32 = 16;
+/// A shadow that may be there counts this part of one that is.
+const POSSIBLE: f64 = 0.05;
 
 impl Views {
     /// Whether nothing shines there.
@@ -82,6 +89,42 @@ impl DirectLight {
     /// What sends out light.
     pub fn emitters(&self) -> &Emitters {
         &self.emitters
+    }
+
+    /// What is nearer to a plane than this counts as in it, metres.
+    pub(super) fn thickness(&self) -> f64 {
+        self.thickness
+    }
+
+    /// The squared shadow, times its area in m², that obstacles may throw on a triangle between the places where it
+    /// was looked at: of those that are narrower than the triangle's edges, by how much of an emitter they can hide.
+    pub(super) fn possible_shadow(&self, cell: [DVec3; 3], views: &Views) -> f64 {
+        let middle = (cell[0] + cell[1] + cell[2]) / 3.0;
+        let area = 0.5 * (cell[1] - cell[0]).cross(cell[2] - cell[0]).length();
+        let edge = area.sqrt();
+        let mut sum = 0.0;
+        for (source, obstacles) in views.iter() {
+            let emitter = &self.emitters.sources[source as usize].emitter;
+            let hull = emitter.hull();
+            let target = hull.iter().sum::<DVec3>() / hull.len() as f64;
+            let to = target - middle;
+            let reach = hull.iter().map(|c| c.distance(target)).fold(0.0, f64::max);
+            let spread = reach * reach / to.length_squared().max(f64::MIN_POSITIVE);
+            for &index in obstacles {
+                let (width, length) = self.obstacles.extent(index);
+                let distance = self.obstacles.get(index).corners[0].distance(middle);
+                // As large as its shadow, or as what blurs that.
+                let behind = (to.length() - distance).max(1e-3 * to.length());
+                let larger = to.length() / behind;
+                if (width * larger).max(reach * distance / behind) > edge {
+                    continue;
+                }
+                let seen = width * length / (distance * distance).max(f64::MIN_POSITIVE);
+                let hidden = (seen / spread.max(f64::MIN_POSITIVE)).min(1.0);
+                sum += hidden * hidden * (width * length * larger * larger).min(area);
+            }
+        }
+        (POSSIBLE * sum).min(POSSIBLE * area)
     }
 
     /// What a convex cell with a unit normal, metres, may see of the emitters.
@@ -179,15 +222,33 @@ impl DirectLight {
         scratch: &mut Scratch,
     ) -> f64 {
         let emitter = &self.emitters.sources[source as usize].emitter;
-        let Scratch { clipper, fan, outline, relative, .. } = scratch;
+        let Scratch { clipper, fan, outline, relative, edges, beams, .. } = scratch;
+        edges.clear();
         let Some(limit) = emitter.outline(point, outline) else { return 0.0 };
         clipper.start(outline, normal);
+        if clipper.is_empty() {
+            return 0.0;
+        }
+        beams.clear();
+        beams.push((normal, 0.0));
+        beams.push((limit.normal, limit.offset));
+        super::clip::edge_planes(outline, -1.0, edges);
+        let step = edges.len().div_ceil(MOST_BEAMS).max(1);
+        beams.extend(edges.iter().step_by(step).map(|plane| (*plane, 0.0)));
         if obstacles.len() > MOST_OBSTACLES {
             let share = self.share_by_rays(source, point, clipper.fragments().flatten().copied());
             return share * clipper.fragments().map(|f| emitter.irradiance(normal, f)).sum::<f64>();
         }
         for &index in obstacles {
+            let (middle, radius) = self.obstacles.sphere(index);
+            let middle = middle - point;
+            if beams.iter().any(|(plane, offset)| plane.dot(middle) <= offset - radius) {
+                continue;
+            }
             let obstacle = self.obstacles.get(index);
+            if obstacle.is_needless([obstacle.plane.dot(point - obstacle.corners[0]); 2], self.thickness) {
+                continue;
+            }
             relative.clear();
             relative.extend(obstacle.corners.iter().map(|c| *c - point));
             clipper.subtract(relative, obstacle.plane, limit, self.thickness);

@@ -6,10 +6,14 @@
 //! rays where thousands of things may be in the way.
 
 mod clip;
+mod elements;
 mod fan;
 mod light;
 mod obstacles;
+mod refine;
 mod shaft;
 
 pub use clip::Clipper;
+pub use elements::{Element, ElementCorner, Elements, NO_ELEMENT};
 pub use light::{DirectLight, Scratch, Views};
+pub use refine::ElementSettings;

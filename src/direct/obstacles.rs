@@ -12,6 +12,17 @@ pub(super) struct Obstacle<'a> {
     /// Unit normal.
     pub(super) plane: DVec3,
     pub(super) region: u32,
+    /// Whether no light reaches its front and its back.
+    pub(super) dark: [bool; 2],
+}
+
+impl Obstacle<'_> {
+    /// Whether whatever it hides is hidden by others as well from where its plane is so far below: who is in the light
+    /// sees a side that light never reaches through others alone.
+    pub(super) fn is_needless(&self, heights: [f64; 2], thickness: f64) -> bool {
+        let [low, high] = heights;
+        self.dark[0] && low >= -thickness || self.dark[1] && high <= thickness
+    }
 }
 
 /// All obstacles, the largest first.
@@ -22,7 +33,10 @@ pub(super) struct Obstacles {
     starts: Vec<u32>,
     planes: Vec<DVec3>,
     regions: Vec<u32>,
+    dark: Vec<[bool; 2]>,
     bounds: Vec<Aabb>,
+    extents: Vec<(f64, f64)>,
+    spheres: Vec<(DVec3, f64)>,
     tree: Bvh,
     /// Over the obstacles as triangles, with the obstacle that each is a part of.
     triangles: Bvh,
@@ -39,14 +53,22 @@ impl Obstacles {
         ranked.sort_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
         let mut all = Self { starts: vec![0], ..Self::default() };
         let mut triangles = Vec::new();
-        for (index, (_, part)) in ranked.into_iter().enumerate() {
+        for (index, (area, part)) in ranked.into_iter().enumerate() {
             let region = convex.parts[part].region;
             let polygon = convex.polygon(part);
             all.corners.extend_from_slice(polygon);
             all.starts.push(all.corners.len() as u32);
             all.planes.push(mesh.regions[region as usize].frame.normal);
             all.regions.push(region);
+            all.dark.push(mesh.regions[region as usize].dark);
             all.bounds.push(Aabb::around(polygon.iter().copied()));
+            let longest = (0..polygon.len())
+                .map(|k| polygon[k].distance(polygon[(k + 1) % polygon.len()]))
+                .fold(f64::MIN_POSITIVE, f64::max);
+            let middle = all.bounds[index].centre();
+            let radius = polygon.iter().map(|c| c.distance(middle)).fold(0.0, f64::max);
+            all.spheres.push((middle, radius));
+            all.extents.push((area / longest, longest));
             for k in 1..polygon.len() - 1 {
                 triangles.push([polygon[0], polygon[k], polygon[k + 1]]);
                 all.owners.push(index as u32);
@@ -65,7 +87,18 @@ impl Obstacles {
             corners: &self.corners[self.starts[k] as usize..self.starts[k + 1] as usize],
             plane: self.planes[k],
             region: self.regions[k],
+            dark: self.dark[k],
         }
+    }
+
+    /// Width and length of one, metres: its area over its longest side, and that.
+    pub(super) fn extent(&self, index: u32) -> (f64, f64) {
+        self.extents[index as usize]
+    }
+
+    /// A sphere around one: its middle and radius, metres.
+    pub(super) fn sphere(&self, index: u32) -> (DVec3, f64) {
+        self.spheres[index as usize]
     }
 
     /// Fills `found` with those whose boxes `enter` takes, the largest first.

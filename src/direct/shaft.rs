@@ -106,6 +106,7 @@ impl Shaft {
         let [emitter_low, emitter_high] = crosses(&self.emitter);
         let is_beside = low.min(emitter_low) >= -thickness || high.max(emitter_high) <= thickness;
         !is_beside
+            && !obstacle.is_needless([low, high], thickness)
             && self
                 .planes
                 .iter()

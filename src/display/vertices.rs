@@ -1,7 +1,7 @@
 use super::weights::ShadingVertex;
-use crate::mesh::{NO_PATCH, PatchMesh, Piece, Side};
-use glam::{DVec2, DVec3};
-use std::collections::{HashMap, HashSet};
+use crate::mesh::{self, NO_PATCH, PatchMesh, Piece, Side};
+use glam::DVec3;
+use std::collections::HashMap;
 
 /// Smooth normals within this cosine (1.8 degrees) belong to one smooth surface.
 const SAME_NORMAL: f64 = 0.9995;
@@ -21,7 +21,7 @@ impl ShadingVertices {
     /// One vertex for each mesh vertex, side and stretch between contact lines; with `smooth`,
     /// joined across regions where the normals of the model agree.
     pub(super) fn find(mesh: &PatchMesh, smooth: bool) -> Self {
-        let stretches = stretches(mesh);
+        let stretches = mesh::stretches(mesh);
         let mut known: HashMap<[u32; 3], u32> = HashMap::new();
         let mut found = Self { of_corner: vec![0; 2 * mesh.corners.len()], ..Self::default() };
         let mut kinds: Vec<Option<[u32; 3]>> = Vec::new();
@@ -117,80 +117,4 @@ fn corner_angle(mesh: &PatchMesh, piece: &Piece, k: usize) -> f64 {
     let (back, ahead) = (at(k + corners.len() - 1) - at(k), at(k + 1) - at(k));
     let angle = ahead.angle_to(back).abs();
     if angle.is_finite() { angle } else { 0.0 }
-}
-
-/// For each corner that lies on a line where another surface stands, a number above zero that
-/// tells apart the stretches around the vertex which that line separates; zero elsewhere.
-/// Without it the dark floor under a box would shine through around the box.
-fn stretches(mesh: &PatchMesh) -> Vec<u32> {
-    if mesh.contacts.iter().all(Vec::is_empty) {
-        return Vec::new();
-    }
-    let mut parents: Vec<u32> = (0..mesh.corners.len() as u32).collect();
-    let mut touching = vec![false; mesh.corners.len()];
-    for (region, contacts) in mesh.regions.iter().zip(&mesh.contacts) {
-        if contacts.is_empty() {
-            continue;
-        }
-        let slack = 1e-5 * region.cell_size.min_element();
-        let on_contact = |point: DVec2| contacts.iter().any(|&[p, q]| is_on_segment(point, p, q, slack));
-        let pieces = &mesh.pieces[region.pieces.start as usize..region.pieces.end as usize];
-        let mut on_line: HashSet<u32> = HashSet::new();
-        for piece in pieces {
-            for corner in piece.corners.clone() {
-                let from = &mesh.corners[corner as usize];
-                if on_line.contains(&from.vertex) || on_contact(from.plane) {
-                    on_line.insert(from.vertex);
-                    touching[corner as usize] = true;
-                }
-            }
-        }
-        // Pieces that share an edge off the lines lie on one stretch at both of its ends.
-        let mut open: HashMap<(u32, u32), (u32, u32)> = HashMap::new();
-        for piece in pieces {
-            let count = piece.corners.len() as u32;
-            for k in 0..count {
-                let (a, b) = (piece.corners.start + k, piece.corners.start + (k + 1) % count);
-                let (from, to) = (&mesh.corners[a as usize], &mesh.corners[b as usize]);
-                if !touching[a as usize] && !touching[b as usize] || on_contact(0.5 * (from.plane + to.plane))
-                {
-                    continue;
-                }
-                if let Some((c, d)) = open.insert((from.vertex, to.vertex), (a, b)) {
-                    unite(&mut parents, a, c);
-                    unite(&mut parents, b, d);
-                }
-                if let Some(&(c, d)) = open.get(&(to.vertex, from.vertex)) {
-                    unite(&mut parents, a, d);
-                    unite(&mut parents, b, c);
-                }
-            }
-        }
-    }
-    (0..mesh.corners.len() as u32)
-        .map(|corner| if touching[corner as usize] { root(&mut parents, corner) + 1 } else { 0 })
-        .collect()
-}
-
-fn is_on_segment(point: DVec2, p: DVec2, q: DVec2, slack: f64) -> bool {
-    if point.cmplt(p.min(q) - slack).any() || point.cmpgt(p.max(q) + slack).any() {
-        return false;
-    }
-    let along = q - p;
-    let t = ((point - p).dot(along) / along.length_squared().max(f64::MIN_POSITIVE)).clamp(0.0, 1.0);
-    point.distance(p + along * t) < slack
-}
-
-fn root(parents: &mut [u32], mut node: u32) -> u32 {
-    while parents[node as usize] != node {
-        parents[node as usize] = parents[parents[node as usize] as usize];
-        node = parents[node as usize];
-    }
-    node
-}
-
-fn unite(parents: &mut [u32], a: u32, b: u32) {
-    let (a, b) = (root(parents, a), root(parents, b));
-    // The smaller one leads, so that the outcome does not depend on the order of unions.
-    parents[a.max(b) as usize] = a.min(b);
 }

@@ -11,6 +11,7 @@ use crate::visibility::{Occluders, RayScene, Viewer};
 use crate::watch::Cancelled;
 use glam::{DVec2, DVec3};
 use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
 
 /// Computes rows of form factors for one mesh, method and resolution.
 #[derive(Clone, Debug)]
@@ -28,6 +29,8 @@ pub struct RowComputer {
     convex: Option<ConvexRows>,
     /// Where to aim shadow rays at.
     lamps: Vec<Target>,
+    /// Rows of patches and points computed so far, by all clones together.
+    computed: Arc<AtomicU64>,
 }
 
 /// A region of a lamp as seen by shadow rays.
@@ -181,7 +184,13 @@ impl RowComputer {
             points,
             visibility,
             lamps,
+            computed: Arc::default(),
         })
+    }
+
+    /// How many rows it has computed so far, at patches and at free points.
+    pub fn rows_computed(&self) -> u64 {
+        self.computed.load(Ordering::Relaxed)
     }
 
     /// The mesh that rows are computed for.
@@ -229,6 +238,7 @@ impl RowComputer {
     /// The row of a patch: gathered at its centre, or at several points where a shadow's edge may
     /// cross it.
     pub fn row(&self, patch: u32, scratch: &mut RowScratch) -> Row {
+        self.computed.fetch_add(1, Ordering::Relaxed);
         let p = &self.mesh.patches[patch as usize];
         if p.buried {
             return Row::default();
@@ -384,6 +394,7 @@ impl RowComputer {
         scratch: &mut RowScratch,
         mut visit: impl FnMut(u32, f64),
     ) {
+        self.computed.fetch_add(1, Ordering::Relaxed);
         let point = self.lifted(point, normal);
         if self.visibility || self.is_convex && self.lies_outside(point) {
             let turn = (0.618_033_989 + share).fract();

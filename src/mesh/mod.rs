@@ -20,6 +20,7 @@ mod reach;
 mod refinement;
 mod regions;
 mod sizing;
+mod stretches;
 mod survey;
 mod types;
 
@@ -31,5 +32,6 @@ pub use neighbours::Contact;
 pub use reach::LightSearch;
 pub(crate) use reach::cosine_direction;
 pub use refinement::Refinement;
+pub use stretches::stretches;
 pub use survey::Survey;
 pub use types::{MeshStatistics, NO_PATCH, Patch, PatchMesh, Piece, PieceCorner, Region, Side};

@@ -2,8 +2,11 @@
 
 mod failure;
 mod recompute;
+mod snapshot;
 mod threads;
 mod wanted;
 mod worker;
 
-pub use worker::{MaterialEdit, Session, Snapshot};
+pub use recompute::Recompute;
+pub use snapshot::Snapshot;
+pub use worker::{MaterialEdit, Session};

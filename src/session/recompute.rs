@@ -3,27 +3,28 @@
 use super::wanted::Wanted;
 use super::worker::State;
 use crate::mesh::PatchMesh;
-use crate::scene::grouped;
 
 /// What a request calls for, and what it came to in the end.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub(super) struct Recompute {
-    /// Read the model.
-    pub(super) scene: bool,
-    /// Cut it into patches.
-    pub(super) mesh: bool,
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Recompute {
+    /// The model was read.
+    pub scene: bool,
+    /// It was cut into patches.
+    pub mesh: bool,
     /// Other lamps stand in the model.
-    pub(super) lamps: bool,
-    /// There is no lamp, so nothing is solved.
-    pub(super) unlit: bool,
+    pub lamps: bool,
+    /// There is no lamp, so nothing was solved.
+    pub unlit: bool,
     /// Rows are computed differently, so that stored ones are of no use.
-    pub(super) method: bool,
+    pub method: bool,
     /// Geometry came out the same, and the rows were kept.
-    pub(super) kept_rows: bool,
+    pub kept_rows: bool,
     /// Rows computed.
-    pub(super) rows: usize,
+    pub rows: usize,
     /// Sweeps made.
-    pub(super) sweeps: usize,
+    pub sweeps: usize,
+    /// Seconds that all of it took.
+    pub seconds: f64,
 }
 
 impl Recompute {
@@ -42,35 +43,6 @@ impl Recompute {
         };
         let mesh = scene || lamps || method || state.prepared.is_none() || split;
         Self { scene, mesh, lamps, method, ..Self::default() }
-    }
-
-    /// What was done, for the status bar.
-    pub(super) fn sentence(&self, wanted: &Wanted, seconds: f64) -> String {
-        let what = if self.scene {
-            let name = wanted.source.as_ref().map(ToString::to_string).unwrap_or_default();
-            format!("opened {name}")
-        } else if self.lamps {
-            "placed lamps".to_owned()
-        } else if self.mesh {
-            "settings".to_owned()
-        } else if self.rows > 0 {
-            // Nothing but what was left of a solve that had been stopped.
-            "resumed".to_owned()
-        } else {
-            "materials".to_owned()
-        };
-        let kept = if self.kept_rows { " (geometry unchanged, rows kept)" } else { "" };
-        // A line is never broken before the unit.
-        let time = if seconds < 1.0 {
-            format!("{:.0}\u{a0}ms", seconds * 1e3)
-        } else {
-            format!("{seconds:.1}\u{a0}s")
-        };
-        if self.unlit {
-            return format!("{what}: no lamps, so nothing was solved, {time}");
-        }
-        let rows = grouped(self.rows as i64);
-        format!("{what}: {rows} rows{kept}, {} sweeps, {time}", self.sweeps)
     }
 }
 

@@ -1,16 +1,17 @@
 use super::failure::Failure;
 use super::recompute::{Recompute, same_geometry};
+use super::snapshot::Snapshot;
 use super::threads;
 use super::wanted::{Edits, Wanted};
-use crate::effects::EffectPlan;
-use crate::form_factors::{Row, RowComputer};
-use crate::mesh::{LightSearch, PatchMesh};
+use crate::form_factors::Row;
+use crate::mesh::LightSearch;
 use crate::scene::{PlacedLamp, Scene, SceneSource};
 use crate::solve::{
-    self, Control, Prepared, Progress, Run, SolveSettings, Solved, Stage, Timings, patch_reflectance, system,
+    self, Control, Prepared, Progress, Run, Solution, SolveSettings, Stage, Timings, patch_reflectance,
+    system,
 };
-use crate::solver::{LightBases, SweepReport};
-use crate::transport::{AssembleReport, FormFactors};
+use crate::solver::LightBases;
+use crate::transport::Transport;
 use rayon::ThreadPool;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -25,75 +26,6 @@ pub struct MaterialEdit {
     pub material: u32,
     /// New reflectance per band, 0 to `MAX_REFLECTANCE`; with a texture, its factor.
     pub reflectance: [f64; 3],
-}
-
-/// What the worker has published last: immutable and cheap to clone.
-#[derive(Clone, Debug, Default)]
-pub struct Snapshot {
-    /// Counts the snapshots; grows with each.
-    pub serial: u64,
-    /// Grows with each new mesh: tells the viewport to upload it.
-    pub mesh_serial: u64,
-    /// Where the solve stands.
-    pub stage: Stage,
-    /// Asked to pause; rows and sweeps rest.
-    pub paused: bool,
-    /// Of the whole solve, 0 to 1; while a model is read or cut into patches, of that alone.
-    pub fraction: f64,
-    /// Estimate of the time left of the same, seconds.
-    pub seconds_left: Option<f64>,
-    /// Rows computed and rows in all.
-    pub rows: (usize, usize),
-    /// The present scene; stays when opening another fails.
-    pub scene: Option<Arc<Scene>>,
-    /// The same as it was read, without what [`Session::set_lamps`] has changed.
-    pub read: Option<Arc<Scene>>,
-    /// Its patches.
-    pub mesh: Option<Arc<PatchMesh>>,
-    /// What is simulated.
-    pub plan: Option<Arc<EffectPlan>>,
-    /// Computes rows, for a look at one.
-    pub computer: Option<Arc<RowComputer>>,
-    /// All form factors, once they are there.
-    pub form_factors: Option<Arc<FormFactors>>,
-    /// How the form factors were made reciprocal and closed.
-    pub assembled: Option<AssembleReport>,
-    /// The present picture, a luminaire each.
-    pub bases: Option<Arc<LightBases>>,
-    /// While rows arrive, the radiosity that they have not passed on yet, a luminaire each.
-    pub unshot: Option<Arc<LightBases>>,
-    /// Reflectance of every patch as solved for.
-    pub reflectance: Arc<Vec<[f32; 3]>>,
-    /// One report a sweep of the present solve.
-    pub sweeps: Arc<Vec<SweepReport>>,
-    /// Seconds by stage.
-    pub timings: Timings,
-    /// What the last request recomputed: "materials: 0 rows, 3 sweeps, 40 ms".
-    pub last_change: String,
-    /// Why the last request failed, in one sentence; `None` once a request succeeds. A scene or settings
-    /// that were refused leave the present scene and its stage whole.
-    pub error: Option<String>,
-    /// Settings in force.
-    pub settings: SolveSettings,
-}
-
-impl Snapshot {
-    /// The finished solve, once it has converged.
-    pub fn solved(&self) -> Option<Solved> {
-        (self.stage == Stage::Converged).then_some(())?;
-        Some(Solved {
-            scene: self.scene.clone()?,
-            mesh: self.mesh.clone()?,
-            plan: self.plan.clone()?,
-            computer: self.computer.clone()?,
-            form_factors: self.form_factors.clone()?,
-            assembled: self.assembled?,
-            bases: self.bases.clone()?,
-            reflectance: self.reflectance.clone(),
-            sweeps: self.sweeps.to_vec(),
-            timings: self.timings,
-        })
-    }
 }
 
 struct Shared {
@@ -259,7 +191,7 @@ pub(super) struct State {
     pub(super) prepared: Option<Prepared>,
     /// Rows of a solve that was interrupted, a patch each.
     pub(super) rows: Vec<Option<Row>>,
-    pub(super) form_factors: Option<Arc<FormFactors>>,
+    pub(super) transport: Option<Arc<dyn Transport>>,
     pub(super) bases: Option<Arc<LightBases>>,
 }
 
@@ -300,7 +232,8 @@ impl Worker<'_> {
             match outcome {
                 Ok(Ok(done)) => {
                     if self.refused.is_none() || done.mesh {
-                        self.snapshot.last_change = done.sentence(&wanted, clock.elapsed().as_secs_f64());
+                        self.snapshot.last_change =
+                            Some(Recompute { seconds: clock.elapsed().as_secs_f64(), ..done });
                     }
                     self.snapshot.error = self.refused.take();
                     self.settle(if done.unlit { Stage::Unlit } else { Stage::Converged });
@@ -369,7 +302,10 @@ impl Worker<'_> {
         let edit_of =
             |material: u32| edits.iter().rev().find(|e| e.material == material).map(|e| e.reflectance);
         let reflectance = patch_reflectance(&prepared.mesh, &edit_of);
-        self.snapshot.reflectance = Arc::new(reflectance.iter().map(|r| r.map(|b| b as f32)).collect());
+        if let Some(solution) = self.snapshot.solution_mut() {
+            solution.set_reflectance(&reflectance);
+            solution.settings.clone_from(&self.state.settings);
+        }
         let system = system(&prepared, &reflectance);
         self.state.edits = edits;
 
@@ -379,7 +315,7 @@ impl Worker<'_> {
             (self.snapshot.fraction, self.snapshot.seconds_left) = (1.0, None);
             return Ok(todo);
         }
-        if self.state.form_factors.is_none() {
+        if self.state.transport.is_none() {
             todo.rows = prepared.mesh.patches.len() - self.state.rows.iter().flatten().count();
             let standing = self.state.bases.as_deref().cloned();
             // What a request that leaves the geometry alone has interrupted goes on from there.
@@ -391,27 +327,30 @@ impl Worker<'_> {
             let assembled = self.with_run(|run| run.assemble(&prepared, &mut rows));
             // What is left of them, where it was interrupted.
             self.state.rows = rows.into_iter().map(Some).collect();
-            let (form_factors, assembled) = assembled?;
-            let form_factors = Arc::new(form_factors);
-            self.state.form_factors = Some(form_factors.clone());
-            self.snapshot.form_factors = Some(form_factors);
+            let transport = assembled?;
+            self.state.transport = Some(transport.clone());
+            if let Some(solution) = self.snapshot.solution_mut() {
+                solution.transport = Some(transport);
+            }
             self.snapshot.unshot = None;
-            self.snapshot.assembled = Some(assembled);
         }
-        let form_factors = self.state.form_factors.clone().ok_or(Failure::Cancelled)?;
+        let transport = self.state.transport.clone().ok_or(Failure::Cancelled)?;
         let start = self.state.bases.clone();
         let tolerance = self.state.settings.tolerance;
-        let (bases, sweeps) =
-            self.with_run(|run| run.sweeps(&prepared, &form_factors, &system, start.as_deref(), tolerance))?;
+        let (bases, sweeps) = self.with_run(|run| {
+            run.sweeps(&prepared, transport.as_ref(), &system, start.as_deref(), tolerance)
+        })?;
         todo.sweeps = sweeps.len();
-        if todo.rows > 0 {
-            let plan = solve::measured(&prepared, system.lamps, &self.snapshot.timings);
-            self.snapshot.plan = Some(Arc::new(plan));
-        }
+        let timings = self.snapshot.timings;
+        let plan = (todo.rows > 0).then(|| solve::measured(&prepared, system.lamps, &timings));
         let bases = Arc::new(bases);
         self.state.bases = Some(bases.clone());
-        self.snapshot.bases = Some(bases);
-        self.snapshot.sweeps = Arc::new(sweeps);
+        if let Some(solution) = self.snapshot.solution_mut() {
+            (solution.bases, solution.sweeps, solution.timings) = (bases, sweeps, timings);
+            if let Some(plan) = plan {
+                solution.plan = Arc::new(plan);
+            }
+        }
         (self.snapshot.fraction, self.snapshot.seconds_left) = (1.0, None);
         Ok(todo)
     }
@@ -493,12 +432,10 @@ impl Worker<'_> {
         let same = !todo.method
             && self.state.prepared.as_ref().is_some_and(|old| same_geometry(&old.mesh, &prepared.mesh));
         if same {
-            todo.kept_rows = self.state.form_factors.is_some();
+            todo.kept_rows = self.state.transport.is_some();
         } else {
             self.state.rows = Vec::new();
-            self.state.form_factors = None;
-            self.snapshot.form_factors = None;
-            self.snapshot.assembled = None;
+            self.state.transport = None;
         }
         // The light of the same scene stays, and is refined on its new patches.
         let light = self.state.scene.as_ref().filter(|old| Arc::ptr_eq(old, &scene)).and_then(|_| {
@@ -511,16 +448,15 @@ impl Worker<'_> {
         }
         let Timings { mesh, plan, .. } = prepared.timings;
         self.snapshot.timings = Timings { mesh, plan, ..timings };
-        self.snapshot.scene = Some(scene);
-        self.snapshot.mesh = Some(prepared.mesh.clone());
-        self.snapshot.plan = Some(prepared.plan.clone());
-        self.snapshot.computer = Some(prepared.computer.clone());
+        let mut solution = Solution::new(&prepared, &wanted.settings);
+        solution.transport.clone_from(&self.state.transport);
+        if let Some(bases) = &self.state.bases {
+            solution.bases.clone_from(bases);
+        }
+        self.snapshot.solution = Some(Arc::new(solution));
         self.snapshot.mesh_serial += 1;
-        (self.snapshot.bases, self.snapshot.unshot) = (self.state.bases.clone(), None);
-        self.snapshot.sweeps = Arc::default();
+        self.snapshot.unshot = None;
         self.snapshot.error.clone_from(&self.refused);
-        self.snapshot.reflectance =
-            Arc::new(prepared.mesh.patches.iter().map(|p| p.reflectance.map(|b| b as f32)).collect());
         self.snapshot.settings = wanted.settings.clone();
         self.state.prepared = Some(prepared);
         self.publish(Stage::Meshing);
@@ -543,12 +479,17 @@ impl Worker<'_> {
             self.snapshot.seconds_left = progress.seconds_left;
             self.snapshot.rows = progress.rows;
             self.snapshot.timings = progress.timings;
-            if !progress.sweeps.is_empty() {
-                self.snapshot.sweeps = Arc::new(progress.sweeps.to_vec());
-            }
-            if let Some(picture) = progress.picture() {
-                self.snapshot.bases = Some(Arc::new(picture));
+            let picture = progress.picture();
+            if picture.is_some() {
                 self.snapshot.unshot = progress.unshot().map(Arc::new);
+            }
+            if let Some(solution) = self.snapshot.solution_mut() {
+                if !progress.sweeps.is_empty() {
+                    solution.sweeps = progress.sweeps.to_vec();
+                }
+                if let Some(picture) = picture {
+                    solution.bases = Arc::new(picture);
+                }
             }
             self.publish(progress.stage);
             // A scene is read and cut all the same: there is to be something to look at.

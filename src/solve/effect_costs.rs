@@ -1,6 +1,6 @@
 //! What the effects of a solved scene cost, from its own timings.
 
-use super::{Prepared, Solved, Timings};
+use super::{Prepared, Solution, Timings};
 use crate::effects::{Effect, EffectPlan};
 use crate::form_factors::RowComputer;
 use crate::mesh::{PatchMesh, Side};
@@ -50,7 +50,7 @@ fn costs(
 
 /// The plan of a finished solve with the seconds that each effect took over leaving it out; zero where leaving
 /// it out would not have been faster.
-pub fn effect_costs(solved: &Solved) -> EffectPlan {
+pub fn effect_costs(solved: &Solution) -> EffectPlan {
     costs((&solved.plan, &solved.mesh, &solved.computer), solved.bases.lamps, &solved.timings)
 }
 

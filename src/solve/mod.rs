@@ -5,12 +5,14 @@ mod effect_costs;
 mod error;
 mod memory;
 mod pipeline;
+mod solution;
 mod watched;
 
 pub use effect_costs::{effect_costs, measured};
 pub use error::PipelineError;
 pub use memory::available_bytes;
 pub use pipeline::{
-    Control, Prepared, Progress, Run, SolveSettings, Solved, Stage, Timings, patch_reflectance, prepare,
-    solve, system, without_light,
+    Control, Prepared, Progress, Run, SolveSettings, Stage, Timings, patch_reflectance, prepare, solve,
+    system, without_light,
 };
+pub use solution::Solution;

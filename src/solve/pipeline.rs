@@ -4,14 +4,14 @@ use super::arriving::Arriving;
 use super::effect_costs;
 use super::error::PipelineError;
 use super::memory::check_memory;
+use super::solution::Solution;
 use crate::effects::{self, Effect, EffectChoices, EffectPlan};
 use crate::form_factors::{Method, ReceivingPoints, Row, RowComputer, Sampling};
 use crate::mesh::{self, LightSearch, MeshSettings, PatchMesh, PatchTarget, Refinement, Survey};
-use crate::scene::{Lighting, Scene};
-use crate::solver::{GaussSeidel, LightBases, PatchLight, SweepReport, System};
-use crate::transport::{AssembleReport, FormFactors};
+use crate::scene::Scene;
+use crate::solver::{GaussSeidel, LightBases, SweepReport, System};
+use crate::transport::{DenseTransport, Transport};
 use crate::watch::Watch;
-use glam::DVec3;
 use rayon::prelude::*;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -182,58 +182,6 @@ pub struct Prepared {
     pub computer: Arc<RowComputer>,
     /// Seconds so far.
     pub timings: Timings,
-}
-
-/// A finished solve.
-#[derive(Clone, Debug)]
-pub struct Solved {
-    /// What was solved.
-    pub scene: Arc<Scene>,
-    /// Its patches.
-    pub mesh: Arc<PatchMesh>,
-    /// What was simulated.
-    pub plan: Arc<EffectPlan>,
-    /// Computes rows at free points.
-    pub computer: Arc<RowComputer>,
-    /// All form factors.
-    pub form_factors: Arc<FormFactors>,
-    /// How the form factors were made reciprocal and closed.
-    pub assembled: AssembleReport,
-    /// Irradiance a luminaire.
-    pub bases: Arc<LightBases>,
-    /// Reflectance of every patch as solved for.
-    pub reflectance: Arc<Vec<[f32; 3]>>,
-    /// One report a sweep.
-    pub sweeps: Vec<SweepReport>,
-    /// Seconds by stage.
-    pub timings: Timings,
-}
-
-impl Solved {
-    /// Light of every patch with the lamps in this state: one sum, no solve.
-    pub fn light(&self, lighting: &Lighting) -> PatchLight {
-        self.bases.mix(&self.mesh, lighting, &self.reflectance)
-    }
-
-    /// Irradiance in W/m² per band at free points with unit normals, gathered from the radiosities of
-    /// the patches by the same method as the rows.
-    pub fn irradiance_at(&self, points: &[(DVec3, DVec3)], light: &PatchLight) -> Vec<[f64; 3]> {
-        points
-            .par_iter()
-            .map_init(
-                || self.computer.scratch(),
-                |scratch, &(point, normal)| {
-                    let mut sum = [0.0; 3];
-                    self.computer.point(point, normal, scratch, |patch, f| {
-                        for (s, &b) in sum.iter_mut().zip(&light.radiosity[patch as usize]) {
-                            *s += f * f64::from(b);
-                        }
-                    });
-                    sum
-                },
-            )
-            .collect()
-    }
 }
 
 /// Cuts the scene into patches, decides the effects and readies the rows.
@@ -451,23 +399,23 @@ impl<'a> Run<'a> {
         &mut self,
         prepared: &Prepared,
         rows: &mut Vec<Row>,
-    ) -> Result<(FormFactors, AssembleReport), PipelineError> {
+    ) -> Result<Arc<dyn Transport>, PipelineError> {
         let clock = self.clock();
         let n = rows.len();
         let sweeps = SWEEPS * self.timings.rows;
         self.tell(Stage::Balancing, (n, n), (0.9, Some(2.0 * sweeps)), &[], None, true)?;
         let assembled = self.watched(Stage::Balancing, (n, n), ([0.9, 0.95], sweeps), |watch| {
-            FormFactors::assemble(&prepared.computer, rows, watch)
+            DenseTransport::assemble(&prepared.computer, rows, watch)
         });
         self.timings.balance = clock.seconds(self);
-        Ok(assembled?)
+        Ok(Arc::new(assembled?))
     }
 
     /// Sweeps from `start` to the tolerance.
     pub fn sweeps(
         &mut self,
         prepared: &Prepared,
-        form_factors: &FormFactors,
+        transport: &dyn Transport,
         system: &System,
         start: Option<&LightBases>,
         tolerance: f64,
@@ -476,11 +424,11 @@ impl<'a> Run<'a> {
         let n = prepared.mesh.patches.len();
         let cancel = self.cancel;
         let cancelled = || cancel.load(Ordering::Relaxed);
-        let mut solver = GaussSeidel::new_unless(&prepared.mesh, form_factors, system, start, &cancelled)?;
+        let mut solver = GaussSeidel::new_unless(&prepared.mesh, transport, system, start, &cancelled)?;
         let mut reports: Vec<SweepReport> = Vec::new();
         let first = solver.report(system).error_bound;
         while reports.last().is_none_or(|r| r.error_bound > tolerance) && reports.len() < MOST_SWEEPS {
-            let report = solver.sweep(form_factors, system, &cancelled).ok_or(PipelineError::Cancelled)?;
+            let report = solver.sweep(transport, system, &cancelled).ok_or(PipelineError::Cancelled)?;
             reports.push(report);
             self.timings.sweeps = clock.seconds(self);
             // The error falls by about the same factor every sweep.
@@ -504,57 +452,55 @@ impl<'a> Run<'a> {
 /// More sweeps than any scene was seen to need; the bound that was reached is in the last report.
 const MOST_SWEEPS: usize = 200;
 
+impl Run<'_> {
+    /// All that is left to do of a scene that is ready, with its own materials: rows, from the light of an
+    /// earlier solve where one is `standing` on these patches, balance and sweeps.
+    pub fn finish(
+        &mut self,
+        prepared: &Prepared,
+        settings: &SolveSettings,
+        standing: Option<LightBases>,
+    ) -> Result<Solution, PipelineError> {
+        let reflectance = patch_reflectance(&prepared.mesh, &|_| None);
+        let system = system(prepared, &reflectance);
+        let (mut rows, start) = self.rows(prepared, &system, standing, &mut Vec::new())?;
+        let transport = self.assemble(prepared, &mut rows)?;
+        let (bases, sweeps) =
+            self.sweeps(prepared, transport.as_ref(), &system, Some(&start), settings.tolerance)?;
+        Ok(Solution {
+            transport: Some(transport),
+            bases: Arc::new(bases),
+            sweeps,
+            timings: self.timings,
+            ..Solution::new(prepared, settings)
+        })
+    }
+}
+
 /// Meshes, computes all rows and sweeps to the tolerance on the calling thread (and rayon's).
 pub fn solve(
     scene: Arc<Scene>,
     settings: &SolveSettings,
     cancel: &AtomicBool,
     observer: &mut dyn FnMut(Progress<'_>) -> Control,
-) -> Result<Solved, PipelineError> {
+) -> Result<Solution, PipelineError> {
     let mut run = Run::new(observer, cancel, Timings::default());
     let prepared = run.prepare(scene, settings, (None, LightSearch::Full))?;
-    let reflectance = patch_reflectance(&prepared.mesh, &|_| None);
-    let system = system(&prepared, &reflectance);
-    let (mut rows, start) = run.rows(&prepared, &system, None, &mut Vec::new())?;
-    let (form_factors, assembled) = run.assemble(&prepared, &mut rows)?;
-    let (bases, sweeps) = run.sweeps(&prepared, &form_factors, &system, Some(&start), settings.tolerance)?;
-    let plan = Arc::new(effect_costs::measured(&prepared, system.lamps, &run.timings));
-    Ok(Solved {
-        scene: prepared.scene,
-        mesh: prepared.mesh,
-        plan,
-        computer: prepared.computer,
-        form_factors: Arc::new(form_factors),
-        assembled,
-        bases: Arc::new(bases),
-        reflectance: Arc::new(reflectance.iter().map(|r| r.map(|b| b as f32)).collect()),
-        sweeps,
-        timings: run.timings,
-    })
+    let mut solution = run.finish(&prepared, settings, None)?;
+    solution.plan = Arc::new(effect_costs::measured(&prepared, solution.bases.lamps, &solution.timings));
+    Ok(solution)
 }
 
 /// What there is to tell of a scene without lamps: patches and effects, no form factors, and no light.
 ///
 /// # Errors
 /// Where the scene cannot be cut into patches.
-pub fn without_light(scene: Arc<Scene>, settings: &SolveSettings) -> Result<Solved, PipelineError> {
+pub fn without_light(scene: Arc<Scene>, settings: &SolveSettings) -> Result<Solution, PipelineError> {
     let prepared = prepare(scene, settings)?;
-    let reflectance = patch_reflectance(&prepared.mesh, &|_| None);
-    let system = system(&prepared, &reflectance);
-    let bases =
-        LightBases { patches: prepared.mesh.patches.len(), bands: system.bands, ..LightBases::default() };
-    Ok(Solved {
-        scene: prepared.scene,
-        mesh: prepared.mesh,
-        plan: prepared.plan,
-        computer: prepared.computer,
-        form_factors: Arc::default(),
-        assembled: AssembleReport::default(),
-        bases: Arc::new(bases),
-        reflectance: Arc::new(reflectance.iter().map(|r| r.map(|b| b as f32)).collect()),
-        sweeps: Vec::new(),
-        timings: prepared.timings,
-    })
+    let patches = prepared.mesh.patches.len();
+    let bands = system(&prepared, &patch_reflectance(&prepared.mesh, &|_| None)).bands;
+    let bases = Arc::new(LightBases { patches, bands, ..LightBases::default() });
+    Ok(Solution { bases, ..Solution::new(&prepared, settings) })
 }
 
 /// The right-hand sides of a prepared scene with these reflectances.

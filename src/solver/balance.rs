@@ -6,7 +6,7 @@
 
 use super::System;
 use crate::mesh::PatchMesh;
-use crate::transport::FormFactors;
+use crate::transport::Transport;
 use crate::watch::Cancelled;
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
@@ -40,14 +40,15 @@ impl Aggregates {
     ///
     /// What sees mostly each other holds almost the same error: the inside of a lamp's housing comes
     /// together before it joins the room outside.
+    ///
     /// Fails where it was `cancelled`.
     pub(super) fn new(
         mesh: &PatchMesh,
-        form_factors: &FormFactors,
+        transport: &dyn Transport,
         cancelled: &(dyn Fn() -> bool + Sync),
     ) -> Result<Self, Cancelled> {
         let parts = Self::parts(mesh);
-        let mut graph = Exchange::between(&parts, form_factors, cancelled)?;
+        let mut graph = Exchange::between(&parts, transport, cancelled)?;
         let mut part_in: Vec<u32> = (0..parts.count as u32).collect();
         let most = (mesh.patches.len() / 6).clamp(AGGREGATES[0], AGGREGATES[1]);
         while graph.areas.len() > most {
@@ -138,13 +139,14 @@ struct Exchange {
 impl Exchange {
     fn between(
         parts: &Aggregates,
-        form_factors: &FormFactors,
+        transport: &dyn Transport,
         cancelled: &(dyn Fn() -> bool + Sync),
     ) -> Result<Self, Cancelled> {
         let mut members: Vec<Vec<usize>> = vec![Vec::new(); parts.count];
         for (i, &part) in parts.of_patch.iter().enumerate() {
             members[part as usize].push(i);
         }
+        let add_row = transport.coarsen(&parts.of_patch);
         let rows = members
             .par_iter()
             .enumerate()
@@ -154,17 +156,12 @@ impl Exchange {
                     if cancelled() {
                         return Err(Cancelled);
                     }
-                    for &i in members {
-                        let (columns, values) = form_factors.row(i);
-                        for (&j, &s) in columns.iter().zip(values) {
-                            sums[parts.of_patch[j as usize] as usize] += f64::from(s);
-                        }
-                    }
+                    members.iter().for_each(|&i| add_row(i, sums));
                     Ok(Self::take_row(sums, own))
                 },
             )
             .collect::<Result<_, _>>()?;
-        let areas = members.iter().map(|m| m.iter().map(|&i| form_factors.area(i)).sum()).collect();
+        let areas = members.iter().map(|m| m.iter().map(|&i| transport.area(i)).sum()).collect();
         Ok(Self { rows, areas })
     }
 
@@ -271,7 +268,7 @@ pub(super) struct PowerBalance {
 impl PowerBalance {
     /// Fails where it was `cancelled`.
     pub(super) fn new(
-        form_factors: &FormFactors,
+        transport: &dyn Transport,
         system: &System,
         aggregates: &Aggregates,
         cancelled: &(dyn Fn() -> bool + Sync),
@@ -279,6 +276,7 @@ impl PowerBalance {
         const CHUNKS: usize = 8;
         let (n, k) = (system.patches(), aggregates.count);
         let size = n.div_ceil(CHUNKS).max(1);
+        let add_row = transport.coarsen(&aggregates.of_patch);
         // Chunks of fixed borders, added in order: the same bits whatever the thread count.
         let partial: Vec<Vec<Vec<f64>>> = (0..n.div_ceil(size))
             .into_par_iter()
@@ -291,15 +289,12 @@ impl PowerBalance {
                     }
                     seen.fill(0.0);
                     // What sees nothing keeps B = E, and must not soak up the correction.
-                    if !form_factors.sees(i) {
+                    if !transport.sees(i) {
                         continue;
                     }
-                    let (columns, values) = form_factors.row(i);
-                    for (&j, &s) in columns.iter().zip(values) {
-                        seen[aggregates.of_patch[j as usize] as usize] += f64::from(s);
-                    }
+                    add_row(i, &mut seen);
                     let own = aggregates.of_patch[i] as usize;
-                    seen[own] += form_factors.diagonal(i);
+                    seen[own] += transport.own(i);
                     for (band, sum) in sums.iter_mut().enumerate() {
                         let rho = system.reflectance[i][band];
                         let row = &mut sum[own * k..(own + 1) * k];

@@ -1,12 +1,9 @@
 use super::balance::{Aggregates, PowerBalance};
 use super::{LightBases, SweepReport, System};
 use crate::mesh::PatchMesh;
-use crate::transport::FormFactors;
-use crate::watch::Cancelled;
+use crate::transport::{Cancelled, LANES, Lanes, Transport};
+use crate::watch;
 use rayon::prelude::*;
-
-/// Columns handled together: the rows are read once for all of them.
-const LANES: usize = 4;
 
 /// How often a sweep reads the rows for so many columns.
 pub fn columns_read(columns: usize) -> usize {
@@ -33,9 +30,9 @@ pub struct GaussSeidel {
 #[derive(Clone, Debug)]
 struct Group {
     columns: Vec<usize>,
-    radiosity: Vec<[f64; LANES]>,
-    irradiance: Vec<[f64; LANES]>,
-    residual: Vec<[f64; LANES]>,
+    radiosity: Vec<Lanes>,
+    irradiance: Vec<Lanes>,
+    residual: Vec<Lanes>,
     /// The state before the last sweep, once there is one.
     before: Option<State>,
 }
@@ -43,22 +40,22 @@ struct Group {
 /// Radiosities with what follows from them.
 #[derive(Clone, Debug)]
 struct State {
-    radiosity: Vec<[f64; LANES]>,
-    irradiance: Vec<[f64; LANES]>,
-    residual: Vec<[f64; LANES]>,
+    radiosity: Vec<Lanes>,
+    irradiance: Vec<Lanes>,
+    residual: Vec<Lanes>,
 }
 
 impl GaussSeidel {
     /// Starts from the irradiance in `start` if it has as many patches and columns, else from B = E.
     pub fn new(
         mesh: &PatchMesh,
-        form_factors: &FormFactors,
+        transport: &dyn Transport,
         system: &System,
         start: Option<&LightBases>,
     ) -> Self {
-        match Self::new_unless(mesh, form_factors, system, start, &|| false) {
+        match Self::new_unless(mesh, transport, system, start, &|| false) {
             Ok(solver) => solver,
-            Err(Cancelled) => unreachable!("nobody ends it"),
+            Err(watch::Cancelled) => unreachable!("nobody ends it"),
         }
     }
 
@@ -68,11 +65,11 @@ impl GaussSeidel {
     /// It was `cancelled`.
     pub fn new_unless(
         mesh: &PatchMesh,
-        form_factors: &FormFactors,
+        transport: &dyn Transport,
         system: &System,
         start: Option<&LightBases>,
         cancelled: &(dyn Fn() -> bool + Sync),
-    ) -> Result<Self, Cancelled> {
+    ) -> Result<Self, watch::Cancelled> {
         let n = system.patches();
         let start = start.filter(|s| s.patches == n && s.lamps == system.lamps && s.bands == system.bands);
         let columns: Vec<usize> = (0..system.columns()).collect();
@@ -100,9 +97,9 @@ impl GaussSeidel {
                 }
             })
             .collect();
-        let aggregates = Aggregates::new(mesh, form_factors, cancelled)?;
-        let balance = PowerBalance::new(form_factors, system, &aggregates, cancelled)?;
-        let row_sums: Vec<f64> = (0..n).into_par_iter().map(|i| form_factors.row_sum(i)).collect();
+        let aggregates = Aggregates::new(mesh, transport, cancelled)?;
+        let balance = PowerBalance::new(transport, system, &aggregates, cancelled)?;
+        let row_sums: Vec<f64> = (0..n).into_par_iter().map(|i| transport.row_sum(i)).collect();
         let spectral_bound = (0..n)
             .map(|i| row_sums[i] * system.reflectance[i][..system.bands].iter().copied().fold(0.0, f64::max))
             .fold(0.0, f64::max);
@@ -115,23 +112,23 @@ impl GaussSeidel {
             spectral_bound,
             started: std::time::Instant::now(),
         };
-        solver.groups.par_iter_mut().for_each(|group| group.measure(form_factors, system, cancelled));
-        if cancelled() { Err(Cancelled) } else { Ok(solver) }
+        solver.groups.par_iter_mut().for_each(|group| group.measure(transport, system, cancelled));
+        if cancelled() { Err(watch::Cancelled) } else { Ok(solver) }
     }
 
     /// One correction and one sweep; polls `cancelled` every few rows. `None` if cancelled, with the
     /// state somewhere on the way, still usable.
     pub fn sweep(
         &mut self,
-        form_factors: &FormFactors,
+        transport: &dyn Transport,
         system: &System,
-        cancelled: &(dyn Fn() -> bool + Sync),
+        cancelled: Cancelled,
     ) -> Option<SweepReport> {
         let (aggregates, balance) = (&self.aggregates, &self.balance);
         self.groups.par_iter_mut().for_each(|group| {
-            group.correct(form_factors, system, aggregates, balance);
-            group.relax(form_factors, system, cancelled);
-            group.measure(form_factors, system, cancelled);
+            group.correct(transport, system, aggregates, balance);
+            group.relax(transport, system, cancelled);
+            group.measure(transport, system, cancelled);
             // What was cut short has no residual to go by.
             if !cancelled() {
                 group.combine(system);
@@ -198,7 +195,7 @@ impl Group {
     /// Adds the power-balance correction to the radiosities.
     fn correct(
         &mut self,
-        form_factors: &FormFactors,
+        transport: &dyn Transport,
         system: &System,
         aggregates: &Aggregates,
         balance: &PowerBalance,
@@ -211,7 +208,7 @@ impl Group {
             balance.correct(column % system.bands, &mut power);
             for (i, b) in self.radiosity.iter_mut().enumerate() {
                 // A black patch has B = E exactly; the correction is for what is reflected.
-                if system.rho(i, column) > 0.0 && form_factors.sees(i) {
+                if system.rho(i, column) > 0.0 && transport.sees(i) {
                     b[lane] = (b[lane] + power[aggregates.of_patch[i] as usize]).max(0.0);
                 }
             }
@@ -219,20 +216,17 @@ impl Group {
     }
 
     /// One Gauss-Seidel pass over the patches in order.
-    fn relax(&mut self, form_factors: &FormFactors, system: &System, cancelled: &(dyn Fn() -> bool + Sync)) {
-        for i in 0..system.patches() {
-            if i % 256 == 0 && cancelled() {
-                return;
-            }
-            let arriving = gather(form_factors, i, &self.radiosity);
-            let own = form_factors.diagonal(i) / form_factors.area(i);
-            for (lane, &column) in self.columns.iter().enumerate() {
+    fn relax(&mut self, transport: &dyn Transport, system: &System, cancelled: Cancelled) {
+        let columns = &self.columns;
+        transport.relax(&mut self.radiosity, cancelled, &mut |i, others, own| {
+            let mut radiosity = [0.0; LANES];
+            for (lane, &column) in columns.iter().enumerate() {
                 // What a patch keeps for itself is solved for, not iterated.
                 let rho = system.rho(i, column);
-                let others = arriving[lane] - own * self.radiosity[i][lane];
-                self.radiosity[i][lane] = (system.exitance(i, column) + rho * others) / (1.0 - rho * own);
+                radiosity[lane] = (system.exitance(i, column) + rho * others[lane]) / (1.0 - rho * own);
             }
-        }
+            radiosity
+        });
     }
 
     /// Mixes the last two states, column by column, so that the residual becomes least: what a sweep leaves
@@ -273,42 +267,17 @@ impl Group {
     }
 
     /// Irradiance and residual of the radiosities as they stand.
-    fn measure(
-        &mut self,
-        form_factors: &FormFactors,
-        system: &System,
-        cancelled: &(dyn Fn() -> bool + Sync),
-    ) {
-        let columns = &self.columns;
-        let radiosity = &self.radiosity;
-        self.irradiance.par_iter_mut().zip(&mut self.residual).enumerate().with_min_len(256).for_each(
-            |(i, (irradiance, residual))| {
-                if i % 256 == 0 && cancelled() {
-                    return;
-                }
-                *irradiance = gather(form_factors, i, radiosity);
-                for (lane, &column) in columns.iter().enumerate() {
-                    residual[lane] = system.exitance(i, column) + system.rho(i, column) * irradiance[lane]
-                        - radiosity[i][lane];
-                }
-            },
-        );
-    }
-}
-
-/// Irradiance of patch `i`, W/m² a lane.
-#[inline]
-fn gather(form_factors: &FormFactors, i: usize, radiosity: &[[f64; LANES]]) -> [f64; LANES] {
-    let (columns, values) = form_factors.row(i);
-    let mut sum = [0.0; LANES];
-    for (&j, &s) in columns.iter().zip(values) {
-        let s = f64::from(s);
-        let b = &radiosity[j as usize];
-        for lane in 0..LANES {
-            sum[lane] += s * b[lane];
+    fn measure(&mut self, transport: &dyn Transport, system: &System, cancelled: Cancelled) {
+        let (columns, radiosity) = (&self.columns, &self.radiosity);
+        transport.gather(0..radiosity.len(), radiosity, &mut self.irradiance, cancelled);
+        if cancelled() {
+            return;
+        }
+        for (i, (irradiance, residual)) in self.irradiance.iter().zip(&mut self.residual).enumerate() {
+            for (lane, &column) in columns.iter().enumerate() {
+                residual[lane] = system.exitance(i, column) + system.rho(i, column) * irradiance[lane]
+                    - radiosity[i][lane];
+            }
         }
     }
-    let own = &radiosity[i];
-    let (diagonal, area) = (form_factors.diagonal(i), form_factors.area(i));
-    std::array::from_fn(|lane| (sum[lane] + diagonal * own[lane]) / area)
 }

@@ -3,7 +3,7 @@ use crate::display::{DisplayMesh, Shading};
 use crate::effects::Effect;
 use crate::mesh::{PatchMesh, Side};
 use crate::scene::Lighting;
-use crate::solve::Solved;
+use crate::solve::Solution;
 use crate::solver::patch_emission;
 
 /// The irradiance that the smoothly shaded picture shows, from one value a patch, W/m² per band.
@@ -22,7 +22,7 @@ pub fn shown(mesh: &PatchMesh, display: &DisplayMesh, irradiance: &[[f32; 3]]) -
 ///
 /// `stop` ends it early; `None` then, and where no light arrives.
 pub fn audit(
-    solved: &Solved,
+    solved: &Solution,
     lighting: &Lighting,
     settings: &AuditSettings,
     stop: &(dyn Fn() -> bool + Sync),
@@ -34,7 +34,7 @@ pub fn audit(
     let exitance: Vec<[f32; 3]> = solved.mesh.patches.iter().map(|p| patch_emission(p, lighting)).collect();
     let answer = Answer {
         mesh: &solved.mesh,
-        form_factors: &solved.form_factors,
+        transport: solved.transport.as_deref()?,
         light: &light,
         exitance: &exitance,
         reflectance: &solved.reflectance,

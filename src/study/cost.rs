@@ -3,7 +3,7 @@
 use super::trial::{Pace, Trial};
 use crate::accuracy::ErrorBudget;
 use crate::form_factors::RowComputer;
-use crate::solve::{Prepared, Solved, Timings};
+use crate::solve::{Prepared, Solution, Timings};
 
 /// How fine a solve is: what its cost and its error depend on.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -59,11 +59,11 @@ const ROW_GROWTH: f64 = 0.2;
 /// Of the pairs that see each other lines find 1 - exp(-this times lines over the root of the patches):
 /// fitted to six meshes of two scenes, within 5 %.
 const FOUND: f64 = 1.5;
-/// What work costs, as gatherings over one form factor: meshing a patch; balancing a form factor; sweeping it,
+/// What work costs, as gatherings of all lanes over one form factor: meshing a patch; balancing a form factor; sweeping it,
 /// for each column; building the power balance of it where each patch is a part; and factoring that, times the
 /// cube of its aggregates. Fitted to 28 solves of the embedded scenes.
-const MESH: f64 = 13_500.0;
-const BALANCE: f64 = 80.0;
+const MESH: f64 = 9_500.0;
+const BALANCE: f64 = 56.0;
 const SWEEPS: f64 = 6.7;
 const AGGREGATE: f64 = 80.0;
 const FACTORS: f64 = 0.4;
@@ -90,16 +90,16 @@ fn found(fineness: Fineness) -> f64 {
 impl Measured {
     /// Of a finished solve by lines, with the pace of the machine and its budget; errors unknown
     /// without one.
-    pub fn of(solved: &Solved, lines: u32, pace: Pace, budget: Option<&ErrorBudget>) -> Self {
+    pub fn of(solved: &Solution, lines: u32, pace: Pace, budget: Option<&ErrorBudget>) -> Self {
         let error = |of: &dyn Fn(&ErrorBudget) -> f64| budget.map_or(f64::NAN, of);
         Self {
             fineness: Fineness { patches: solved.mesh.patches.len() as f64, lines: f64::from(lines) },
             timings: solved.timings,
-            entries: solved.form_factors.entries() as f64,
+            entries: solved.transport.as_ref().map_or(0, |t| t.entries()) as f64,
             whole: solved.mesh.statistics.whole_sides as f64,
             columns: (solved.bases.lamps * solved.bases.bands) as f64,
             pace,
-            shadowed: solved.assembled.several_points as f64 / solved.mesh.patches.len().max(1) as f64,
+            shadowed: solved.assembled().several_points as f64 / solved.mesh.patches.len().max(1) as f64,
             form_factors: error(&|b| b.form_factors.error),
             mesh: error(&|b| b.mesh.error),
             total: error(&|b| b.total.error),

@@ -11,7 +11,9 @@ use crate::effects::EffectChoices;
 use crate::form_factors::{Method, ReceivingPoints};
 use crate::mesh::{PatchMesh, PatchTarget, Refinement};
 use crate::scene::{Lighting, Scene};
-use crate::solve::{Control, PipelineError, Progress, SolveSettings, Solved, available_bytes, effect_costs};
+use crate::solve::{
+    Control, PipelineError, Progress, Solution, SolveSettings, available_bytes, effect_costs,
+};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
@@ -44,12 +46,8 @@ pub struct Attempt {
 /// How a search ended.
 #[derive(Debug)]
 pub struct Reached {
-    /// The best solve.
-    pub solved: Solved,
-    /// Its settings.
-    pub settings: SolveSettings,
-    /// What the audit found; `None` where there was no light or no time.
-    pub budget: Option<ErrorBudget>,
+    /// The best solve; without a budget where there was no light or no time for an audit.
+    pub solved: Arc<Solution>,
     /// Whether the goal was met.
     pub met: bool,
     /// Whether all rows and sweeps were made; else the light is that of the rows that there was time for.
@@ -127,7 +125,7 @@ pub fn reach(
         || deadline.map_or(f64::INFINITY, |d| d.saturating_duration_since(Instant::now()).as_secs_f64());
     let mut model = CostModel::default();
     let mut attempts: Vec<Attempt> = Vec::new();
-    let mut best: Option<(Solved, SolveSettings, Option<ErrorBudget>)> = None;
+    let mut best: Option<Solution> = None;
     let mut limits = Limits { fewest: 1.0, most: MOST_PATCHES, gigabytes: memory };
     let mut next = Fineness { patches: FIRST.0 as f64, lines: f64::from(FIRST.1) };
     let mut refinement: Option<Arc<Refinement>> = None;
@@ -141,10 +139,9 @@ pub fn reach(
         let clock = Instant::now();
         let foreseen = model.seconds(next);
         let foreseen_error = model.error(next);
-        let before = best.as_ref().map(|(solved, ..)| solved);
-        let known = Known { before, survey: survey.take(), model: &model };
+        let known = Known { before: best.as_ref(), survey: survey.take(), model: &model };
         let solve = solve_until(scene.clone(), &settings, deadline, known, &mut survey, observer);
-        let (solved, complete) = match solve {
+        let (mut solved, complete) = match solve {
             Ok(Outcome::Whole(solved)) => (*solved, true),
             Ok(Outcome::Part(solved)) => (*solved, false),
             Ok(Outcome::TooLong) => {
@@ -175,7 +172,7 @@ pub fn reach(
                 budget: None,
             });
             if best.is_none() {
-                return Ok(unfinished(solved, settings, attempts, model, started));
+                return Ok(unfinished(solved, attempts, model, started));
             }
             obstacle = Some("the last solve was cut short by the time".to_owned());
             break;
@@ -222,8 +219,9 @@ pub fn reach(
         if attempts.len() == 1 {
             limits.fewest = fewest(&solved.mesh, next.patches);
         }
-        if best.as_ref().is_none_or(|(_, _, old)| !is_worse(budget.as_ref(), old.as_ref())) {
-            best = Some((solved, settings, budget));
+        solved.budget = budget;
+        if best.as_ref().is_none_or(|old| !is_worse(budget.as_ref(), old.budget.as_ref())) {
+            best = Some(solved);
         }
 
         // Is it enough, and if not, what next?
@@ -258,13 +256,14 @@ pub fn reach(
             }
         }
     }
-    let Some((mut solved, settings, budget)) = best else { return Err(PipelineError::Cancelled) };
+    let Some(mut solved) = best else { return Err(PipelineError::Cancelled) };
     let seconds = started.elapsed().as_secs_f64();
     // Said only of a solve without a budget, and that is the last one.
     let foreseen = model.measured().last().and_then(|m| model.error(m.fineness));
-    let (met, verdict) = verdict(goal, budget.as_ref(), foreseen, seconds, obstacle);
+    let (met, verdict) = verdict(goal, solved.budget.as_ref(), foreseen, seconds, obstacle);
     solved.plan = Arc::new(effect_costs(&solved));
-    Ok(Reached { solved, settings, budget, met, complete: true, verdict, attempts, model, seconds })
+    let solved = Arc::new(solved);
+    Ok(Reached { solved, met, complete: true, verdict, attempts, model, seconds })
 }
 
 /// The part of the error asked for that the next solve is to aim at.
@@ -383,18 +382,10 @@ fn verdict(
     }
 }
 
-fn unfinished(
-    solved: Solved,
-    settings: SolveSettings,
-    attempts: Vec<Attempt>,
-    model: CostModel,
-    started: Instant,
-) -> Reached {
+fn unfinished(solved: Solution, attempts: Vec<Attempt>, model: CostModel, started: Instant) -> Reached {
     let seconds = started.elapsed().as_secs_f64();
     Reached {
-        solved,
-        settings,
-        budget: None,
+        solved: Arc::new(solved),
         met: false,
         complete: false,
         verdict: format!(

@@ -3,7 +3,7 @@ use crate::accuracy::{Answer, PointIrradiance, irradiance_at};
 use crate::display::DisplayMesh;
 use crate::effects::Effect;
 use crate::scene::{Lighting, luminance_weighted};
-use crate::solve::Solved;
+use crate::solve::Solution;
 use crate::solver::{PatchLight, patch_emission};
 use glam::DVec3;
 
@@ -13,20 +13,20 @@ use glam::DVec3;
 /// Twice as slow as the points' rows alone or more: independent rays check each. A scene without lamps has no
 /// form factors, and is dark everywhere.
 pub fn points(
-    solved: &Solved,
+    solved: &Solution,
     lighting: &Lighting,
     light: &PatchLight,
     places: &[(DVec3, DVec3)],
 ) -> Vec<PointIrradiance> {
-    if solved.form_factors.is_empty() {
+    let Some(transport) = solved.transport.as_deref() else {
         return vec![PointIrradiance::default(); places.len()];
-    }
+    };
     let display = DisplayMesh::build(&solved.mesh, &solved.scene, solved.plan.is_on(Effect::SmoothSurfaces));
     let shown = shown(&solved.mesh, &display, &light.irradiance);
     let exitance: Vec<[f32; 3]> = solved.mesh.patches.iter().map(|p| patch_emission(p, lighting)).collect();
     let answer = Answer {
         mesh: &solved.mesh,
-        form_factors: &solved.form_factors,
+        transport,
         light,
         exitance: &exitance,
         reflectance: &solved.reflectance,

@@ -2,8 +2,8 @@
 
 use crate::effects::Effect;
 use crate::form_factors::{Method, ReceivingPoints, RowComputer, Sampling};
-use crate::solve::{Prepared, Solved};
-use crate::transport::FormFactors;
+use crate::solve::{Prepared, Solution};
+use crate::transport::{LANES, Transport};
 use rayon::prelude::*;
 use std::time::Instant;
 
@@ -58,28 +58,31 @@ pub fn trial(prepared: &Prepared, lines: u32) -> Trial {
 pub struct Pace {
     /// What one row costs besides its lines, as lines.
     pub overhead: f64,
-    /// Seconds of gathering once over one stored form factor, by all threads of the pool.
+    /// Seconds of gathering all lanes once over one stored form factor, by all threads of the pool.
     pub gathering: f64,
 }
 
 /// Measures the pace of a scene that was solved by so many lines, in some tens of milliseconds.
-pub fn pace(solved: &Solved, lines: u32) -> Pace {
-    Pace { overhead: row_overhead(solved, lines), gathering: gathering(&solved.form_factors) }
+pub fn pace(solved: &Solution, lines: u32) -> Pace {
+    Pace {
+        overhead: row_overhead(solved, lines),
+        gathering: solved.transport.as_deref().map_or(0.0, gathering),
+    }
 }
 
 /// The shortest of some gatherings over the first rows.
-fn gathering(form_factors: &FormFactors) -> f64 {
-    let light = vec![1.0_f64; form_factors.len()];
+fn gathering(transport: &dyn Transport) -> f64 {
+    let light = vec![[1.0; LANES]; transport.len()];
+    let mut arriving = light.clone();
     let (mut rows, mut entries) = (0, 0);
-    while rows < form_factors.len() && entries < GATHERED {
-        entries += form_factors.row(rows).0.len();
+    while rows < transport.len() && entries < GATHERED {
+        entries += transport.row(rows).len();
         rows += 1;
     }
-    let once = || {
+    let mut once = || {
         let clock = Instant::now();
-        let gathered: f64 =
-            (0..rows).into_par_iter().with_min_len(64).map(|i| form_factors.dot(i, &light)).sum();
-        std::hint::black_box(gathered);
+        transport.gather(0..rows, &light, &mut arriving, &|| false);
+        std::hint::black_box(&arriving);
         clock.elapsed().as_secs_f64()
     };
     (0..GATHERINGS).map(|_| once()).fold(f64::INFINITY, f64::min) / entries.max(1) as f64
@@ -88,7 +91,7 @@ fn gathering(form_factors: &FormFactors) -> f64 {
 /// What one row of a solved scene costs besides its lines, as lines: with t and T the times of some rows
 /// by n and by 4 n lines, (4 n + x) / (n + x) = T / t. Takes `lines` as 4 n, where those are not too few, nor so many that
 /// receiving points are chosen otherwise. Runs on the calling thread, for some fifty rows.
-fn row_overhead(solved: &Solved, lines: u32) -> f64 {
+fn row_overhead(solved: &Solution, lines: u32) -> f64 {
     let visibility = solved.plan.is_on(Effect::Visibility);
     let few = if lines >= TIMES * FEWEST { (lines / TIMES).min(MOST) } else { lines };
     let computers = [few, TIMES * few].map(|lines| {

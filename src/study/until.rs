@@ -6,11 +6,10 @@ use super::trial::trial;
 use crate::mesh::{LightSearch, Survey};
 use crate::scene::Scene;
 use crate::solve::{
-    Control, PipelineError, Prepared, Progress, Run, SolveSettings, Solved, Stage, Timings,
+    Control, PipelineError, Prepared, Progress, Run, Solution, SolveSettings, Stage, Timings,
     patch_reflectance, system,
 };
 use crate::solver::LightBases;
-use crate::transport::{AssembleReport, FormFactors};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{RecvTimeoutError, channel};
@@ -19,7 +18,7 @@ use std::time::{Duration, Instant};
 /// What earlier solves of the scene left.
 pub(super) struct Known<'a> {
     /// The best of them, to fall back on; its light is refined.
-    pub(super) before: Option<&'a Solved>,
+    pub(super) before: Option<&'a Solution>,
     /// What meshes rest on.
     pub(super) survey: Option<Arc<Survey>>,
     /// What they tell of further ones.
@@ -28,16 +27,16 @@ pub(super) struct Known<'a> {
 
 pub(super) enum Outcome {
     /// All of it.
-    Whole(Box<Solved>),
+    Whole(Box<Solution>),
     /// The light of the rows that there was time for; no form factors.
-    Part(Box<Solved>),
+    Part(Box<Solution>),
     /// Given up, since it would not end in time.
     TooLong,
 }
 
 /// How a run ended that was not cancelled.
 enum Ended {
-    Whole(Box<(FormFactors, AssembleReport, LightBases, Vec<crate::solver::SweepReport>)>),
+    Whole(Box<Solution>),
     TooLong,
 }
 
@@ -113,35 +112,20 @@ pub(super) fn solve_until(
             Ok(_) => Ok(Outcome::TooLong),
         };
     };
-    let reflectance = patch_reflectance(&prepared.mesh, &|_| None);
-    let solved = |form_factors: FormFactors, assembled: AssembleReport, bases: LightBases| Solved {
-        scene: prepared.scene.clone(),
-        mesh: prepared.mesh.clone(),
-        plan: prepared.plan.clone(),
-        computer: prepared.computer.clone(),
-        form_factors: Arc::new(form_factors),
-        assembled,
-        bases: Arc::new(bases),
-        reflectance: Arc::new(reflectance.iter().map(|r| r.map(|b| b as f32)).collect()),
-        sweeps: Vec::new(),
-        timings,
-    };
     match ended {
-        Ok(Ended::Whole(parts)) => {
-            let (form_factors, assembled, bases, sweeps) = *parts;
-            Ok(Outcome::Whole(Box::new(Solved { sweeps, ..solved(form_factors, assembled, bases) })))
-        }
+        Ok(Ended::Whole(solution)) => Ok(Outcome::Whole(solution)),
         Ok(Ended::TooLong) => Ok(Outcome::TooLong),
         Err(PipelineError::Cancelled) if given_up && has_another => Ok(Outcome::TooLong),
         Err(PipelineError::Cancelled) if given_up => {
-            let system = system(&prepared, &reflectance);
+            let system = system(&prepared, &patch_reflectance(&prepared.mesh, &|_| None));
             let bases = so_far.unwrap_or(LightBases {
                 patches: system.patches(),
                 lamps: system.lamps,
                 bands: system.bands,
                 values: vec![0.0; system.patches() * system.columns()],
             });
-            Ok(Outcome::Part(Box::new(solved(FormFactors::default(), AssembleReport::default(), bases))))
+            let part = Solution { bases: Arc::new(bases), timings, ..Solution::new(&prepared, settings) };
+            Ok(Outcome::Part(Box::new(part)))
         }
         Err(error) => Err(error),
     }
@@ -176,7 +160,7 @@ fn solve(
     prepared: &Prepared,
     settings: &SolveSettings,
     deadline: Option<Instant>,
-    (before, model): (Option<&Solved>, &CostModel),
+    (before, model): (Option<&Solution>, &CostModel),
 ) -> Result<Ended, PipelineError> {
     let lines = settings.resolution.unwrap_or(settings.method.default_resolution());
     let meshed = prepared.timings.mesh + prepared.timings.plan;
@@ -188,11 +172,6 @@ fn solve(
     {
         return Ok(Ended::TooLong);
     }
-    let reflectance = patch_reflectance(&prepared.mesh, &|_| None);
-    let system = system(prepared, &reflectance);
     let standing = before.and_then(|b| b.bases.carried(&b.mesh, &prepared.mesh));
-    let (mut rows, start) = run.rows(prepared, &system, standing, &mut Vec::new())?;
-    let (form_factors, assembled) = run.assemble(prepared, &mut rows)?;
-    let (bases, sweeps) = run.sweeps(prepared, &form_factors, &system, Some(&start), settings.tolerance)?;
-    Ok(Ended::Whole(Box::new((form_factors, assembled, bases, sweeps))))
+    Ok(Ended::Whole(Box::new(run.finish(prepared, settings, standing)?)))
 }

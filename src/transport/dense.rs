@@ -1,29 +1,35 @@
-//! All form factors of a mesh: sparse, reciprocal and closed.
+//! Every pair of patches that see each other: sparse, reciprocal and closed.
 
 use super::balancing::{Balancing, Scaling};
 use super::quality::PairGaps;
-use super::{RowQuality, near};
+use super::{Cancelled, Coarsened, LANES, Lanes, RowQuality, Transport, near};
 use crate::form_factors::{Row, RowComputer};
 use crate::geometry::Frame;
-use crate::watch::{Cancelled, Watch};
+use crate::watch::{self, Watch};
 use rayon::prelude::*;
+use std::ops::Range;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicU64, Ordering};
 
-/// Form factors of a mesh as exchange areas S_ij = A_i F_ij, row by row.
+/// The form factors of all pairs of patches that see each other, as exchange areas S_ij = A_i F_ij, row by
+/// row.
 ///
 /// S is symmetric to the last bit, so that what i sends to j is what j would send to i. What
 /// single precision rounds off a row's sum, and what no other patch can take up, is kept on the diagonal in
 /// double precision.
 #[derive(Clone, Debug, Default)]
-pub struct FormFactors {
+pub struct DenseTransport {
     offsets: Vec<usize>,
     columns: Vec<u32>,
     exchange: Vec<f32>,
     diagonal: Vec<f64>,
     areas: Vec<f64>,
     quality: Vec<RowQuality>,
+    report: AssembleReport,
+    passes: Arc<AtomicU64>,
 }
 
-/// What [`FormFactors::assemble`] did.
+/// What [`DenseTransport::assemble`] did.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct AssembleReport {
     /// Largest |row sum - 1| of a row as sampled, among rows that see no opening to within 1 %.
@@ -62,7 +68,7 @@ const BLOCK: usize = 256;
 /// Leaves room for the rounding of single precision below every row sum.
 const HEADROOM: f64 = 1.0 - 2e-7;
 
-impl FormFactors {
+impl DenseTransport {
     /// Builds the matrix from one sampled row a patch.
     ///
     /// 1. Each pair takes a mean of its two samples, in which the smaller patch counts for more; a lamp's
@@ -80,7 +86,7 @@ impl FormFactors {
         computer: &RowComputer,
         rows: &mut Vec<Row>,
         watch: &mut Watch<'_>,
-    ) -> Result<(Self, AssembleReport), Cancelled> {
+    ) -> Result<Self, watch::Cancelled> {
         let mesh = computer.mesh();
         let n = mesh.patches.len();
         assert_eq!(rows.len(), n, "one row a patch");
@@ -109,6 +115,8 @@ impl FormFactors {
             diagonal: vec![0.0; n],
             areas: mesh.patches.iter().map(|p| p.area).collect(),
             quality: Vec::with_capacity(n),
+            report: AssembleReport::default(),
+            passes: Arc::default(),
         };
         matrix.offsets.push(0);
         let (mut gap, mut mean) = (0.0, 0.0);
@@ -125,7 +133,7 @@ impl FormFactors {
         let near_one = |s: &&f64| (**s - 1.0).abs() < 0.01;
         let worst_closure = sums.iter().filter(near_one).map(|s| (s - 1.0).abs()).fold(0.0, f64::max);
         let scaling = matrix.balance(&targets, &mut watch.part(TARGETED, 1.0))?;
-        let report = AssembleReport {
+        matrix.report = AssembleReport {
             worst_closure,
             mean_reciprocity: if mean > 0.0 { gap / mean } else { 0.0 },
             several_points,
@@ -134,11 +142,11 @@ impl FormFactors {
             imbalance: scaling.imbalance,
             kept: scaling.kept,
         };
-        Ok((matrix, report))
+        Ok(matrix)
     }
 
     /// Scales rows and columns alike until row i of S sums to `targets[i]`.
-    fn balance(&mut self, targets: &[f64], watch: &mut Watch<'_>) -> Result<Scaling, Cancelled> {
+    fn balance(&mut self, targets: &[f64], watch: &mut Watch<'_>) -> Result<Scaling, watch::Cancelled> {
         let product = |i: usize, vector: &[f64]| self.dot(i, vector);
         let scaling = Balancing::new(&product, &self.areas, targets).solve(watch)?;
         let Scaling { scales: scale, sums, .. } = &scaling;
@@ -178,69 +186,132 @@ impl FormFactors {
     }
 
     /// Row i of S times a vector.
-    pub(crate) fn dot(&self, i: usize, vector: &[f64]) -> f64 {
-        let (columns, values) = self.row(i);
+    fn dot(&self, i: usize, vector: &[f64]) -> f64 {
+        let (columns, values) = self.stored(i);
         columns.iter().zip(values).map(|(&j, &s)| f64::from(s) * vector[j as usize]).sum()
     }
 
-    /// Number of patches.
-    pub fn len(&self) -> usize {
-        self.areas.len()
-    }
-
-    /// Whether there is no patch.
-    pub fn is_empty(&self) -> bool {
-        self.areas.is_empty()
-    }
-
-    /// Stored pairs.
-    pub fn entries(&self) -> usize {
-        self.columns.len()
-    }
-
-    /// Bytes held.
-    pub fn bytes(&self) -> usize {
-        self.columns.len() * 8 + self.areas.len() * 44
-    }
-
-    /// Patches that patch `i` sees and its exchange areas S_ij with them, m²; see [`Self::diagonal`].
-    pub fn row(&self, i: usize) -> (&[u32], &[f32]) {
+    /// Patches that patch `i` sees and its exchange areas with them, m².
+    fn stored(&self, i: usize) -> (&[u32], &[f32]) {
         let range = self.offsets[i]..self.offsets[i + 1];
         (&self.columns[range.clone()], &self.exchange[range])
     }
 
-    /// What rounding, and partners that are full, leave of row i for itself, m²: mostly some 1e-7 of its area.
-    pub fn diagonal(&self, i: usize) -> f64 {
+    /// Irradiance of patch `i`, W/m² per lane.
+    #[inline]
+    fn arriving(&self, i: usize, radiosity: &[Lanes]) -> Lanes {
+        let (columns, values) = self.stored(i);
+        let mut sum = [0.0; LANES];
+        for (&j, &s) in columns.iter().zip(values) {
+            let s = f64::from(s);
+            let b = &radiosity[j as usize];
+            for lane in 0..LANES {
+                sum[lane] += s * b[lane];
+            }
+        }
+        let own = &radiosity[i];
+        let (diagonal, area) = (self.diagonal[i], self.areas[i]);
+        std::array::from_fn(|lane| (sum[lane] + diagonal * own[lane]) / area)
+    }
+}
+
+/// Rows gathered between two looks at whether to stop.
+const UNWATCHED: usize = 256;
+
+impl Transport for DenseTransport {
+    fn areas(&self) -> &[f64] {
+        &self.areas
+    }
+
+    fn gather(
+        &self,
+        rows: Range<usize>,
+        radiosity: &[Lanes],
+        irradiance: &mut [Lanes],
+        cancelled: Cancelled,
+    ) {
+        self.passes.fetch_add(1, Ordering::Relaxed);
+        let first = rows.start;
+        irradiance[..rows.len()].par_iter_mut().enumerate().with_min_len(UNWATCHED).for_each(
+            |(k, arriving)| {
+                if k % UNWATCHED == 0 && cancelled() {
+                    return;
+                }
+                *arriving = self.arriving(first + k, radiosity);
+            },
+        );
+    }
+
+    fn relax(
+        &self,
+        radiosity: &mut [Lanes],
+        cancelled: Cancelled,
+        update: &mut dyn FnMut(usize, Lanes, f64) -> Lanes,
+    ) {
+        self.passes.fetch_add(1, Ordering::Relaxed);
+        for i in 0..self.areas.len() {
+            if i % UNWATCHED == 0 && cancelled() {
+                return;
+            }
+            let arriving = self.arriving(i, radiosity);
+            let own = self.diagonal[i] / self.areas[i];
+            let others = std::array::from_fn(|lane| arriving[lane] - own * radiosity[i][lane]);
+            radiosity[i] = update(i, others, own);
+        }
+    }
+
+    fn coarsen<'a>(&'a self, part_of: &'a [u32]) -> Coarsened<'a> {
+        Box::new(move |i, sums| {
+            let (columns, values) = self.stored(i);
+            for (&j, &s) in columns.iter().zip(values) {
+                sums[part_of[j as usize] as usize] += f64::from(s);
+            }
+        })
+    }
+
+    fn row(&self, i: usize) -> Vec<(u32, f64)> {
+        let (columns, values) = self.stored(i);
+        columns.iter().zip(values).map(|(&j, &s)| (j, f64::from(s))).collect()
+    }
+
+    fn own(&self, i: usize) -> f64 {
         self.diagonal[i]
     }
 
-    /// Area of patch `i`, m².
-    pub fn area(&self, i: usize) -> f64 {
-        self.areas[i]
+    fn row_sum(&self, i: usize) -> f64 {
+        let (_, values) = self.stored(i);
+        (values.iter().map(|&v| f64::from(v)).sum::<f64>() + self.diagonal[i]) / self.areas[i]
     }
 
-    /// How row `i` was sampled, before it was made reciprocal and closed.
-    pub fn quality(&self, i: usize) -> RowQuality {
-        self.quality[i]
-    }
-
-    /// Form factor from patch `i` to patch `j`.
-    pub fn get(&self, i: usize, j: usize) -> f64 {
-        let (columns, values) = self.row(i);
-        let stored = columns.binary_search(&(j as u32)).map_or(0.0, |k| f64::from(values[k]));
-        (stored + if i == j { self.diagonal[i] } else { 0.0 }) / self.areas[i]
-    }
-
-    /// Whether patch `i` sees anything: what lies under a box does not.
-    pub fn sees(&self, i: usize) -> bool {
-        let (_, values) = self.row(i);
+    fn sees(&self, i: usize) -> bool {
+        let (_, values) = self.stored(i);
         self.diagonal[i] > 0.0 || values.iter().any(|&s| s > 0.0)
     }
 
-    /// Sum of row `i`: 1 in a closed scene, less where light escapes.
-    pub fn row_sum(&self, i: usize) -> f64 {
-        let (_, values) = self.row(i);
-        (values.iter().map(|&v| f64::from(v)).sum::<f64>() + self.diagonal[i]) / self.areas[i]
+    fn quality(&self, i: usize) -> RowQuality {
+        self.quality[i]
+    }
+
+    fn report(&self) -> &AssembleReport {
+        &self.report
+    }
+
+    fn passes(&self) -> u64 {
+        self.passes.load(Ordering::Relaxed)
+    }
+
+    fn entries(&self) -> usize {
+        self.columns.len()
+    }
+
+    fn bytes(&self) -> usize {
+        self.columns.len() * 8 + self.areas.len() * 44
+    }
+
+    fn get(&self, i: usize, j: usize) -> f64 {
+        let (columns, values) = self.stored(i);
+        let stored = columns.binary_search(&(j as u32)).map_or(0.0, |k| f64::from(values[k]));
+        (stored + if i == j { self.diagonal[i] } else { 0.0 }) / self.areas[i]
     }
 }
 
@@ -307,12 +378,12 @@ impl Entries {
     }
 
     /// The part of row `j` in a block.
-    fn of_row(&self, j: usize, block: usize) -> std::ops::Range<usize> {
+    fn of_row(&self, j: usize, block: usize) -> Range<usize> {
         self.rows[j][block] as usize..self.rows[j][block + 1] as usize
     }
 
     /// The part of the close pairs of row `j` in a block.
-    fn of_close(&self, j: usize, block: usize) -> std::ops::Range<usize> {
+    fn of_close(&self, j: usize, block: usize) -> Range<usize> {
         self.close[j][block] as usize..self.close[j][block + 1] as usize
     }
 }
@@ -335,7 +406,7 @@ impl Block {
         rows: &[Row],
         close: &[Vec<(u32, f64)>],
         (entries, block): (&Entries, usize),
-        range: std::ops::Range<usize>,
+        range: Range<usize>,
     ) -> Self {
         let mesh = computer.mesh();
         // What other rows say of the patches in this range, in rising order of those rows.
@@ -419,8 +490,7 @@ mod tests {
     use crate::form_factors::{Method, ReceivingPoints, Sampling};
     use crate::mesh::{MeshSettings, PatchTarget, build};
     use crate::scene::{SceneSource, load};
-    use std::sync::Arc;
-    use std::sync::atomic::{AtomicUsize, Ordering};
+    use std::sync::atomic::AtomicUsize;
 
     fn sampled() -> (RowComputer, Vec<Row>) {
         let scene = load(&SceneSource::Builtin("cornell".to_owned())).expect("embedded");
@@ -494,14 +564,16 @@ mod tests {
         };
         let mut told = Vec::new();
         let mut report = |share| told.push(share);
-        let done = FormFactors::assemble(&computer, &mut rows.clone(), &mut Watch::new(&count, &mut report));
+        let done =
+            DenseTransport::assemble(&computer, &mut rows.clone(), &mut Watch::new(&count, &mut report));
         assert!(done.is_ok() && told.is_sorted() && told.last() == Some(&1.0), "{told:?}");
         let all = looks.into_inner();
         for end in [0, all / 10, rows.len() + 3, all / 2, all - 1] {
             let looks = AtomicUsize::new(0);
             let cancelled = || looks.fetch_add(1, Ordering::Relaxed) >= end;
             let mut left = rows.clone();
-            let ended = FormFactors::assemble(&computer, &mut left, &mut Watch::new(&cancelled, &mut |_| {}));
+            let ended =
+                DenseTransport::assemble(&computer, &mut left, &mut Watch::new(&cancelled, &mut |_| {}));
             assert!(ended.is_err() && (left.is_empty() || left == rows), "after {end} of {all} looks");
             let further = looks.into_inner() - end;
             assert!(further <= rayon::current_num_threads() + 2, "{further} looks after the request");

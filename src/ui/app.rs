@@ -52,7 +52,7 @@ pub(super) struct Asked {
 impl Asked {
     /// Whether the worker has it: every reading makes another scene.
     pub(super) fn has_come(&self, now: &Snapshot) -> bool {
-        now.scene.as_ref().is_some_and(|scene| Arc::as_ptr(scene) != self.scene.as_ptr())
+        now.scene().is_some_and(|scene| Arc::as_ptr(scene) != self.scene.as_ptr())
     }
 }
 

@@ -8,7 +8,7 @@ use crate::form_factors::Method;
 use crate::mesh::{PatchMesh, PatchTarget, Refinement};
 use crate::scene::{LUMINOUS_EFFICACY, Lighting, Scene};
 use crate::session::Snapshot;
-use crate::solve::{SolveSettings, Solved, Stage};
+use crate::solve::{Solution, SolveSettings, Stage};
 use crate::solver::{LightBases, PatchLight};
 use crate::study::{self, CostModel, Fineness, Goal, Limits, Measured};
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -161,10 +161,10 @@ impl Auditor {
         if let Some(light) = light {
             self.runs.trace(snapshot, lighting, light);
         }
-        let standing = (snapshot.stage == Stage::Converged).then_some(()).and(snapshot.bases.clone());
-        let lamps = snapshot.scene.as_ref().map_or(0, |s| s.luminaires.len());
+        let standing = (snapshot.stage == Stage::Converged).then_some(()).and(snapshot.bases().cloned());
+        let lamps = snapshot.scene().map_or(0, |s| s.luminaires.len());
         // In the dark there is nothing that could be wrong.
-        let is_whole = lamps > 0 && snapshot.form_factors.is_some() && lighting.lamps.len() == lamps;
+        let is_whole = lamps > 0 && snapshot.transport().is_some() && lighting.lamps.len() == lamps;
         let Some(bases) = standing.filter(|_| is_whole) else {
             self.job = None;
             self.standing = None;
@@ -216,22 +216,22 @@ impl Auditor {
     }
 
     fn forget_other_scenes(&mut self, snapshot: &Snapshot) {
-        let same = match (&snapshot.scene, self.scene.upgrade()) {
+        let same = match (snapshot.scene(), self.scene.upgrade()) {
             (Some(a), Some(b)) => Arc::ptr_eq(a, &b),
             (None, None) => true,
             _ => false,
         };
         if !same {
             let (on, goal, mut runs) = (self.on, self.goal, std::mem::take(&mut self.runs));
-            runs.enter(snapshot.scene.as_ref().map(|scene| &scene.source));
+            runs.enter(snapshot.scene().map(|scene| &scene.source));
             *self = Self { on, goal, runs, ..Self::default() };
-            self.scene = snapshot.scene.as_ref().map_or_else(Weak::new, Arc::downgrade);
+            self.scene = snapshot.scene().map_or_else(Weak::new, Arc::downgrade);
         }
     }
 
     fn start(
         &mut self,
-        solved: Solved,
+        solved: Arc<Solution>,
         settings: &SolveSettings,
         lighting: Lighting,
         wake: impl FnOnce() + Send + 'static,
@@ -336,8 +336,7 @@ impl Auditor {
         let same = |f: &&Finished| f.is_here && f.settings == snapshot.settings;
         let audited = self.runs.finished.iter().rev().filter(same).find_map(|f| f.budget);
         let fineness = snapshot
-            .mesh
-            .as_ref()
+            .mesh()
             .zip(lines_of(&snapshot.settings))
             .map(|(mesh, lines)| Fineness { patches: mesh.patches.len() as f64, lines: f64::from(lines) });
         let known = audited.map(|budget| budget.total.error);
@@ -426,25 +425,14 @@ pub(super) mod tests {
         };
         let never = AtomicBool::new(false);
         let solved = solve(Arc::new(scene), &settings, &never, &mut |_| Control::Continue).unwrap();
-        Snapshot {
-            stage: Stage::Converged,
-            scene: Some(solved.scene),
-            mesh: Some(solved.mesh),
-            plan: Some(solved.plan),
-            computer: Some(solved.computer),
-            form_factors: Some(solved.form_factors),
-            assembled: Some(solved.assembled),
-            bases: Some(solved.bases),
-            settings,
-            ..Snapshot::default()
-        }
+        Snapshot::of(solved)
     }
 
     /// An auditor on its way to a goal, whose audit of this light has ended.
     fn answered(snapshot: &Snapshot, lighting: &Lighting) -> Auditor {
         let mut auditor = Auditor::default();
         assert_eq!(auditor.follow(snapshot, lighting, None, 0.0, || {}).0, None);
-        let bases = snapshot.bases.clone().unwrap();
+        let bases = snapshot.bases().cloned().unwrap();
         let (sender, answer) = channel();
         let findings = Findings { budget: budget(0.001, 0.002), ..Findings::default() };
         let refinement = Refinement::default();
@@ -458,7 +446,7 @@ pub(super) mod tests {
     #[test]
     fn an_answer_is_of_the_light_that_it_was_asked_of_alone() {
         let snapshot = converged();
-        let lighting = snapshot.scene.as_ref().unwrap().lighting();
+        let lighting = snapshot.scene().unwrap().lighting();
         let mut auditor = answered(&snapshot, &lighting);
         auditor.follow(&snapshot, &lighting, None, 1.0, || {});
         assert_eq!(auditor.budget, Some(budget(0.001, 0.002)));
@@ -475,7 +463,7 @@ pub(super) mod tests {
     #[test]
     fn what_was_found_goes_with_the_light_that_it_was_found_in() {
         let mut snapshot = converged();
-        let lighting = snapshot.scene.as_ref().unwrap().lighting();
+        let lighting = snapshot.scene().unwrap().lighting();
         let mut auditor = answered(&snapshot, &lighting);
         auditor.follow(&snapshot, &lighting, None, 1.0, || {});
         assert!(auditor.budget.is_some());

@@ -349,7 +349,7 @@ impl App {
         };
         let name = name.unwrap_or_default();
         self.last_change = format!("opening {name}");
-        let scene = self.snapshot.scene.as_ref().map(Arc::downgrade).unwrap_or_default();
+        let scene = self.snapshot.scene().map(Arc::downgrade).unwrap_or_default();
         let known_error = self.snapshot.error.clone();
         self.opening = Some(Asked { name, serial: self.snapshot.serial, known_error, scene });
         match &self.scene_shown {

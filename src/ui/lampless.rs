@@ -92,7 +92,7 @@ impl EvenView {
         // Reflectances of another mesh are no use.
         let is_current = snapshot.mesh_serial == serial;
         let known = self.of.as_ref().filter(|of| of.0 == serial).map(|of| &of.1);
-        let Some(reflectance) = Some(&snapshot.reflectance).filter(|_| is_current).or(known) else {
+        let Some(reflectance) = snapshot.reflectance().filter(|_| is_current).or(known) else {
             return false;
         };
         let open = self.openness.latest().filter(|(of, _)| **of == serial);

@@ -10,7 +10,7 @@ use crate::mesh::Contact;
 use crate::scene::{LUMINOUS_EFFICACY, Lighting, illuminance, luminance_weighted};
 use crate::session::Snapshot;
 use crate::solver::{LightBases, PatchLight, residual};
-use crate::transport::{FormFactors, RowQuality};
+use crate::transport::{RowQuality, Transport};
 use std::sync::{Arc, Weak};
 
 /// Cells along an edge of the hemicube that is shown.
@@ -40,12 +40,11 @@ impl Inspection {
     fn look(prepared: &Prepared, source: &RowSource, patch: u32) -> Self {
         let mesh = &prepared.mesh;
         let (row, row_sum, quality) = match source {
-            RowSource::Balanced(form_factors) => {
+            RowSource::Balanced(transport) => {
                 let i = patch as usize;
-                let (columns, exchange) = form_factors.row(i);
-                let area = form_factors.area(i);
-                let row = columns.iter().zip(exchange).map(|(&j, &s)| (j, f64::from(s) / area)).collect();
-                (row, form_factors.row_sum(i), Some(form_factors.quality(i)))
+                let area = transport.area(i);
+                let row = transport.row(i).into_iter().map(|(j, s)| (j, s / area)).collect();
+                (row, transport.row_sum(i), Some(transport.quality(i)))
             }
             RowSource::Sampled(computer) => {
                 let row = computer.row(patch, &mut computer.scratch());
@@ -120,7 +119,7 @@ impl Inspection {
 
 /// Where a row comes from.
 enum RowSource {
-    Balanced(Arc<FormFactors>),
+    Balanced(Arc<dyn Transport>),
     Sampled(Arc<RowComputer>),
 }
 
@@ -144,18 +143,18 @@ impl Maps {
         let mut maps = Self::default();
         let patches = &wanted.prepared.mesh.patches;
         let mut waiting: Vec<[f32; 3]> = Vec::new();
-        if let Some(form_factors) = &wanted.form_factors {
-            for i in 0..form_factors.len() {
-                let (sum, quality) = (form_factors.row_sum(i), form_factors.quality(i));
+        if let Some(transport) = &wanted.transport {
+            for i in 0..transport.len() {
+                let (sum, quality) = (transport.row_sum(i), transport.quality(i));
                 // What single precision rounds off is no defect.
                 let percent = |share: f64| if share.abs() < 2e-7 { 0.0 } else { (100.0 * share) as f32 };
                 // What lies under something takes no part: nothing escapes it.
-                maps.escape.push(if form_factors.sees(i) { percent(1.0 - sum) } else { NO_VALUE });
+                maps.escape.push(if transport.sees(i) { percent(1.0 - sum) } else { NO_VALUE });
                 maps.closure.push(percent(f64::from(quality.sampled_sum) - sum));
                 maps.reciprocity.push(100.0 * quality.worst_reciprocity);
             }
             if !wanted.light.radiosity.is_empty() {
-                waiting = residual(form_factors, &wanted.reflectance, &wanted.light);
+                waiting = residual(transport.as_ref(), &wanted.reflectance, &wanted.light);
             }
         } else if let Some(unshot) = &wanted.unshot {
             waiting = unshot.sum(&wanted.lighting, patches.len());
@@ -187,7 +186,7 @@ impl Maps {
 /// All that maps are computed from.
 struct MapSource {
     prepared: Arc<Prepared>,
-    form_factors: Option<Arc<FormFactors>>,
+    transport: Option<Arc<dyn Transport>>,
     unshot: Option<Arc<LightBases>>,
     reflectance: Arc<Vec<[f32; 3]>>,
     light: PatchLight,
@@ -196,12 +195,15 @@ struct MapSource {
 
 /// Which matrix: none is one of its own.
 #[derive(Clone, Debug)]
-struct MatrixId(Weak<FormFactors>);
+struct MatrixId(Option<Weak<dyn Transport>>);
 
 impl PartialEq for MatrixId {
     fn eq(&self, other: &Self) -> bool {
         // A weak pointer keeps the address from being used again.
-        self.0.ptr_eq(&other.0)
+        match (&self.0, &other.0) {
+            (Some(one), Some(other)) => one.ptr_eq(other),
+            (one, other) => one.is_none() && other.is_none(),
+        }
     }
 }
 
@@ -247,7 +249,7 @@ impl Microscope {
         if serial != snapshot.mesh_serial {
             return news;
         }
-        let matrix = MatrixId(snapshot.form_factors.as_ref().map_or_else(Weak::new, Arc::downgrade));
+        let matrix = MatrixId(snapshot.transport().map(Arc::downgrade));
         let wake = || {
             let ctx = ctx.clone();
             move || ctx.request_repaint()
@@ -255,8 +257,8 @@ impl Microscope {
         let inside = |patch: &u32| (*patch as usize) < shown.prepared.mesh.patches.len();
         if let Some(patch) = patch.filter(inside) {
             let key = (serial, matrix.clone(), u64::from(patch));
-            let balanced = snapshot.form_factors.clone().map(RowSource::Balanced);
-            let source = balanced.or_else(|| snapshot.computer.clone().map(RowSource::Sampled));
+            let balanced = snapshot.transport().cloned().map(RowSource::Balanced);
+            let source = balanced.or_else(|| snapshot.computer().cloned().map(RowSource::Sampled));
             if let Some(source) = source.filter(|_| self.inspection.is_open(&key)) {
                 let prepared = Arc::clone(shown.prepared);
                 self.inspection.ask(&key, move || Inspection::look(&prepared, &source, patch), wake());
@@ -266,7 +268,7 @@ impl Microscope {
         if maps_wanted && self.maps.is_open(&key) {
             let source = MapSource {
                 prepared: Arc::clone(shown.prepared),
-                form_factors: snapshot.form_factors.clone(),
+                transport: snapshot.transport().cloned(),
                 unshot: snapshot.unshot.clone(),
                 reflectance: Arc::clone(shown.reflectance),
                 light: shown.light.clone(),

@@ -9,6 +9,7 @@ mod auditor;
 mod background;
 mod banners;
 mod camera_control;
+mod change;
 mod colour;
 mod command;
 mod comparison;

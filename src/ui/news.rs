@@ -4,9 +4,9 @@ use super::app::{App, Asked};
 use super::files::FileNews;
 use super::microscope::Shown;
 use super::overlay::{NOTICE_SECS, Notice};
-use super::panels;
 use super::path_dialog::PathDialog;
 use super::state::Quantity;
+use super::{change, panels};
 use crate::scene::{FrameChoice, Scene, SceneSource};
 use crate::session::Snapshot;
 use crate::solve::Stage;
@@ -65,7 +65,6 @@ impl App {
 
     /// Takes over what the worker says that it recomputed, once: what is switched afterwards is told instead.
     fn follow_change(&mut self, before: &Snapshot) {
-        let told = &self.snapshot.last_change;
         if self.opening.as_ref().is_some_and(|asked| asked.has_come(&self.snapshot)) {
             self.opening = None;
         }
@@ -73,12 +72,10 @@ impl App {
         let has_converged = before.stage != Stage::Converged
             && self.snapshot.stage == Stage::Converged
             && self.snapshot.error.is_none();
-        if !told.is_empty() && (has_converged || *told != before.last_change) {
-            self.last_change.clone_from(told);
-            if let Some(scene) = &self.snapshot.scene {
-                // A path would fill the line.
-                self.last_change = told.replace(&scene.source.to_string(), &scene.name);
-            }
+        if let Some(done) = &self.snapshot.last_change
+            && (has_converged || self.snapshot.last_change != before.last_change)
+        {
+            self.last_change = change::words(done, self.snapshot.scene().map_or("", |scene| &scene.name));
         }
     }
 

@@ -182,12 +182,12 @@ impl Picture {
         let Some(prepared) = arriving.or(self.prepared.as_ref()).filter(|p| p.mesh_serial == serial) else {
             return news;
         };
-        match &snapshot.bases {
-            Some(bases) if arriving.is_some() || !self.is_lit_by(bases, &snapshot.reflectance) => {
+        match snapshot.bases().zip(snapshot.reflectance()) {
+            Some((bases, reflectance)) if arriving.is_some() || !self.is_lit_by(bases, reflectance) => {
                 let source = || Source {
                     prepared: Arc::clone(prepared),
                     bases: Arc::clone(bases),
-                    reflectance: Arc::clone(&snapshot.reflectance),
+                    reflectance: Arc::clone(reflectance),
                     lighting: lighting(&prepared.scene),
                     shading,
                 };
@@ -231,12 +231,12 @@ impl Picture {
         let shown = self.prepared.as_ref().map(|p| p.mesh_serial);
         let arriving = self.arriving.as_ref().map(|built| built.prepared.mesh_serial);
         let underway = self.building.as_ref().map(|b| b.0);
-        let (Some(scene), Some(mesh)) = (&snapshot.scene, &snapshot.mesh) else { return };
+        let (Some(scene), Some(mesh)) = (snapshot.scene(), snapshot.mesh()) else { return };
         if [shown, arriving, underway].contains(&Some(serial)) {
             return;
         }
         let (scene, mesh) = (Arc::clone(scene), Arc::clone(mesh));
-        let smooth = snapshot.plan.as_ref().is_none_or(|plan| plan.is_on(Effect::SmoothSurfaces));
+        let smooth = snapshot.plan().is_none_or(|plan| plan.is_on(Effect::SmoothSurfaces));
         let uploader = self.uploader.clone();
         let (sender, receiver) = channel();
         let build = move || {
@@ -402,7 +402,7 @@ mod tests {
     use super::*;
     use crate::effects::EffectChoices;
     use crate::scene::{SceneSource, from_text, load};
-    use crate::solve::{Control, SolveSettings, Stage, prepare, solve};
+    use crate::solve::{Control, Solution, SolveSettings, Stage, prepare, solve};
     use std::sync::atomic::AtomicBool;
     use std::time::{Duration, Instant};
 
@@ -416,20 +416,14 @@ mod tests {
         };
         let never = AtomicBool::new(false);
         let solved = solve(Arc::new(scene), &settings, &never, &mut |_| Control::Continue).unwrap();
-        let reflectance = solved
-            .mesh
-            .patches
-            .iter()
-            .map(|p| solved.scene.materials[p.material as usize].reflectance.map(|r| r as f32));
-        Snapshot {
-            mesh_serial: 1,
-            stage: Stage::Converged,
-            reflectance: Arc::new(reflectance.collect()),
-            scene: Some(solved.scene),
-            mesh: Some(solved.mesh),
-            bases: Some(solved.bases),
-            ..Snapshot::default()
-        }
+        Snapshot { mesh_serial: 1, ..Snapshot::of(solved) }
+    }
+
+    /// The same before its first light.
+    fn dark(mut snapshot: Snapshot, stage: Stage) -> Snapshot {
+        snapshot.stage = stage;
+        snapshot.solution_mut().unwrap().bases = Arc::default();
+        snapshot
     }
 
     fn news_of(picture: &mut Picture, snapshot: &Snapshot) -> News {
@@ -454,7 +448,7 @@ mod tests {
     fn a_mesh_comes_to_the_screen_with_its_light() {
         let lit = converged();
         let mut picture = Picture::default();
-        let dark = Snapshot { bases: None, stage: Stage::Rows, ..lit.clone() };
+        let dark = dark(lit.clone(), Stage::Rows);
         while picture.arriving.is_none() {
             let news = news_of(&mut picture, &dark);
             assert!(!news.mesh && picture.prepared.is_none(), "a mesh that has no light yet is not shown");
@@ -484,9 +478,7 @@ mod tests {
             let snapshot = Snapshot {
                 mesh_serial: 1,
                 stage: Stage::Stopped,
-                scene: Some(prepared.scene.clone()),
-                mesh: Some(prepared.mesh.clone()),
-                plan: Some(prepared.plan.clone()),
+                solution: Some(Arc::new(Solution::new(&prepared, &settings))),
                 ..Snapshot::default()
             };
             let mut picture = Picture::default();
@@ -502,7 +494,7 @@ mod tests {
 
     #[test]
     fn a_mesh_that_will_have_no_light_is_shown_dark() {
-        let snapshot = Snapshot { bases: None, stage: Stage::Stopped, ..converged() };
+        let snapshot = dark(converged(), Stage::Stopped);
         let mut picture = Picture::default();
         let news = wait(&mut picture, &snapshot);
         assert!(news.mesh && !news.bases && picture.light.radiosity.is_empty());
@@ -513,7 +505,7 @@ mod tests {
         let snapshot = converged();
         let mut picture = Picture::default();
         wait(&mut picture, &snapshot);
-        let mut lighting = snapshot.scene.as_ref().unwrap().lighting();
+        let mut lighting = snapshot.scene().unwrap().lighting();
         lighting.lamps.iter_mut().for_each(|lamp| lamp.on = false);
         let version = picture.light_version;
         picture.settle(&lighting);

@@ -88,7 +88,7 @@ impl Runs {
 
     /// Follows the solve that runs. `light` is the present picture under the present lamps.
     pub(super) fn trace(&mut self, snapshot: &Snapshot, lighting: &Lighting, light: &PatchLight) {
-        let (Some(mesh), Some(bases)) = (&snapshot.mesh, &snapshot.bases) else { return };
+        let (Some(mesh), Some(bases)) = (snapshot.mesh(), snapshot.bases()) else { return };
         if self.seen.as_ref().is_some_and(|seen| Arc::ptr_eq(seen, bases)) {
             return;
         }
@@ -102,7 +102,7 @@ impl Runs {
                 &mesh.patches,
                 light,
                 &unshot.sum(lighting, mesh.patches.len()),
-                &snapshot.reflectance,
+                snapshot.reflectance().map_or(&[], |r| r.as_slice()),
             ),
             (Stage::Rows, None) => self.not_refined(snapshot.rows),
             (Stage::Sweeping, _) => self.after_sweep(&mesh.patches, light, snapshot),
@@ -125,7 +125,7 @@ impl Runs {
         let now: Vec<f32> =
             light.irradiance.iter().map(|h| luminance_weighted(h.map(f64::from)) as f32).collect();
         let before = std::mem::replace(&mut self.before, now);
-        let fall = match &snapshot.sweeps[..] {
+        let fall = match snapshot.sweeps() {
             [.., last, newest] if last.residual > 0.0 => (newest.residual / last.residual).clamp(1e-3, 0.95),
             _ => USUAL_FALL,
         };
@@ -135,7 +135,7 @@ impl Runs {
 
     /// Puts a solve that has ended down in the list.
     pub(super) fn note(&mut self, snapshot: &Snapshot) {
-        let (Some(mesh), Some(scene)) = (&snapshot.mesh, &snapshot.scene) else { return };
+        let (Some(mesh), Some(scene)) = (snapshot.mesh(), snapshot.scene()) else { return };
         let mut algebraic = std::mem::take(&mut self.algebraic);
         let seconds = snapshot.timings.solve();
         algebraic.retain(|point| point[0] <= seconds);
@@ -211,8 +211,21 @@ mod tests {
     use super::*;
     use crate::accuracy::Estimate;
     use crate::mesh::PatchTarget;
-    use crate::solve::{Control, Progress, solve};
+    use crate::solve::{Control, Progress, Solution, Timings, prepare, solve};
     use std::sync::atomic::AtomicBool;
+
+    /// A light without power that is no other one.
+    fn lit() -> Arc<LightBases> {
+        Arc::new(LightBases { values: vec![0.0], ..LightBases::default() })
+    }
+
+    /// Of a scene cut into a few patches.
+    fn few_patches(scene: Arc<crate::scene::Scene>) -> Snapshot {
+        let settings = SolveSettings { patches: PatchTarget::Count(60), ..SolveSettings::default() };
+        let prepared = prepare(scene, &settings).unwrap();
+        let solution = Solution { bases: lit(), ..Solution::new(&prepared, &settings) };
+        Snapshot { solution: Some(Arc::new(solution)), ..Snapshot::default() }
+    }
 
     /// Follows a real solve, and compares the error told at each step with the true one.
     #[test]
@@ -246,16 +259,9 @@ mod tests {
         for (k, (stage, picture, unshot, sweeps)) in steps.into_iter().enumerate() {
             let light = lit(&picture);
             let truth = change(&solved.mesh.patches, &luminances(&light), &end).unwrap();
-            let mut snapshot = Snapshot {
-                stage,
-                scene: Some(scene.clone()),
-                mesh: Some(solved.mesh.clone()),
-                bases: Some(Arc::new(picture)),
-                unshot: unshot.map(Arc::new),
-                reflectance: solved.reflectance.clone(),
-                sweeps: Arc::new(sweeps),
-                ..Snapshot::default()
-            };
+            let on_the_way = Solution { bases: Arc::new(picture), sweeps, ..solved.clone() };
+            let mut snapshot = Snapshot { stage, unshot: unshot.map(Arc::new), ..Snapshot::of(on_the_way) };
+            snapshot.timings = Timings::default();
             snapshot.timings.rows = 0.1 * (k + 1) as f64;
             let known = runs.live(0.0).len();
             runs.trace(&snapshot, &lighting, &light);
@@ -275,19 +281,14 @@ mod tests {
     fn a_light_that_is_refined_has_the_old_error_where_no_row_has_come() {
         let scene = crate::scene::load(&SceneSource::Builtin("cornell".to_owned())).unwrap();
         let lighting = scene.lighting();
-        let mut snapshot = Snapshot {
-            scene: Some(Arc::new(scene)),
-            mesh: Some(Arc::default()),
-            bases: Some(Arc::default()),
-            ..Snapshot::default()
-        };
+        let mut snapshot = few_patches(Arc::new(scene));
         let mut runs = Runs::default();
         runs.note(&snapshot);
         let old = Estimate { error: 0.04, low: 0.03, high: 0.05 };
         runs.checked(ErrorBudget { total: old, ..ErrorBudget::default() });
         for (done, told) in [(25, 0.04 * 0.75_f64.sqrt()), (75, 0.02)] {
-            (snapshot.stage, snapshot.rows, snapshot.bases) =
-                (Stage::Rows, (done, 100), Some(Arc::default()));
+            (snapshot.stage, snapshot.rows) = (Stage::Rows, (done, 100));
+            snapshot.solution_mut().unwrap().bases = lit();
             snapshot.timings.rows = 0.01 * done as f64;
             runs.trace(&snapshot, &lighting, &PatchLight::default());
             let live = runs.live(0.0);
@@ -299,12 +300,10 @@ mod tests {
     fn runs_of_other_scenes_stay_and_are_told_apart() {
         let scene =
             |name: &str| Arc::new(crate::scene::load(&SceneSource::Builtin(name.to_owned())).unwrap());
-        let mesh = Arc::new(crate::mesh::PatchMesh::default());
+        let known = ["cornell", "hemicube"].map(|name| few_patches(scene(name)));
         let snapshot = |name: &str, patches: usize| Snapshot {
-            scene: Some(scene(name)),
-            mesh: Some(mesh.clone()),
             settings: SolveSettings { patches: PatchTarget::Count(patches), ..SolveSettings::default() },
-            ..Snapshot::default()
+            ..known[usize::from(name == "hemicube")].clone()
         };
         let mut runs = Runs::default();
         let here = |runs: &Runs| runs.finished.iter().filter(|f| f.is_here).count();

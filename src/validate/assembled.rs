@@ -5,7 +5,7 @@ use crate::solve::{
     Control, Prepared, Progress, Run, SolveSettings, Timings, patch_reflectance, prepare, system,
 };
 use crate::solver::{LightBases, SweepReport, System};
-use crate::transport::{AssembleReport, FormFactors};
+use crate::transport::Transport;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
@@ -15,9 +15,7 @@ pub struct Assembled {
     /// The scene, its patches and the way to compute rows.
     pub prepared: Prepared,
     /// All form factors.
-    pub form_factors: FormFactors,
-    /// How they were made reciprocal and closed.
-    pub report: AssembleReport,
+    pub transport: Arc<dyn Transport>,
 }
 
 impl Assembled {
@@ -28,11 +26,11 @@ impl Assembled {
     pub fn new(scene: Arc<Scene>, settings: &SolveSettings) -> Result<Self, CaseError> {
         let prepared = prepare(scene, settings)?;
         let system = system(&prepared, &patch_reflectance(&prepared.mesh, &|_| None));
-        let (form_factors, report) = run(|run| {
+        let transport = run(|run| {
             let (mut rows, _) = run.rows(&prepared, &system, None, &mut Vec::new())?;
             run.assemble(&prepared, &mut rows)
         })?;
-        Ok(Self { prepared, form_factors, report })
+        Ok(Self { prepared, transport })
     }
 
     /// All patches.
@@ -50,7 +48,7 @@ impl Assembled {
 
     /// Patches that see something: what lies under a box sees nothing, and keeps B = E.
     pub fn seeing(&self) -> Vec<usize> {
-        (0..self.patches().len()).filter(|&i| self.form_factors.row_sum(i) > 0.0).collect()
+        (0..self.patches().len()).filter(|&i| self.transport.row_sum(i) > 0.0).collect()
     }
 
     /// Form factor from one set of patches to another.
@@ -60,10 +58,9 @@ impl Assembled {
         let exchange: f64 = from
             .iter()
             .map(|&i| {
-                let (columns, values) = self.form_factors.row(i);
-                let row = columns.iter().zip(values).filter(|(j, _)| wanted[**j as usize]);
-                let own = if wanted[i] { self.form_factors.diagonal(i) } else { 0.0 };
-                own + row.map(|(_, &s)| f64::from(s)).sum::<f64>()
+                let row = self.transport.row(i).into_iter().filter(|(j, _)| wanted[*j as usize]);
+                let own = if wanted[i] { self.transport.own(i) } else { 0.0 };
+                own + row.map(|(_, s)| s).sum::<f64>()
             })
             .sum();
         exchange / self.area(from)
@@ -71,7 +68,7 @@ impl Assembled {
 
     /// Share of what leaves these patches that escapes through openings, 0 to 1.
     pub fn escaping(&self, from: &[usize]) -> f64 {
-        let kept: f64 = from.iter().map(|&i| self.patches()[i].area * self.form_factors.row_sum(i)).sum();
+        let kept: f64 = from.iter().map(|&i| self.patches()[i].area * self.transport.row_sum(i)).sum();
         1.0 - kept / self.area(from)
     }
 
@@ -113,7 +110,7 @@ impl Assembled {
         system: &System,
         tolerance: f64,
     ) -> Result<(LightBases, Vec<SweepReport>), CaseError> {
-        Ok(run(|run| run.sweeps(&self.prepared, &self.form_factors, system, None, tolerance))?)
+        Ok(run(|run| run.sweeps(&self.prepared, self.transport.as_ref(), system, None, tolerance))?)
     }
 
     /// Radiosity of every patch, W/m², in a system of one column ([`Self::grey_system`]).

@@ -42,7 +42,7 @@ pub(super) fn cases() -> Vec<Case> {
         cases.push(
             Case::new(Group::ClosedScenes, format!("{name}: the worst row sum"), CLOSURE, 1.0, move |way| {
                 let made = assemble(make, patches, way)?;
-                Ok(worst(made.seeing().into_iter().map(|i| made.form_factors.row_sum(i))))
+                Ok(worst(made.seeing().into_iter().map(|i| made.transport.row_sum(i))))
             })
             .all_methods(1e-6)
             .because("rows are scaled to their sums to 1e-7"),

@@ -5,7 +5,7 @@ use lumenwalk::effects::EffectChoices;
 use lumenwalk::form_factors::{Method, Row};
 use lumenwalk::mesh::{Patch, PatchTarget};
 use lumenwalk::scene::{Scene, SceneSource, load};
-use lumenwalk::solve::{Control, Prepared, SolveSettings, Solved, solve};
+use lumenwalk::solve::{Control, Prepared, Solution, SolveSettings, solve};
 use lumenwalk::solver::{GaussSeidel, LightBases, SweepReport, System};
 use lumenwalk::validate;
 use rayon::prelude::*;
@@ -87,7 +87,7 @@ pub(crate) fn with_effects(patches: PatchTarget, effects: EffectChoices) -> Solv
 }
 
 /// A whole solve on this thread and rayon's.
-pub(crate) fn solved(scene: &Arc<Scene>, settings: &SolveSettings) -> Solved {
+pub(crate) fn solved(scene: &Arc<Scene>, settings: &SolveSettings) -> Solution {
     solve(scene.clone(), settings, &AtomicBool::new(false), &mut |_| Control::Continue)
         .expect("nothing stands against it")
 }
@@ -134,7 +134,7 @@ impl Assembled {
 
     /// A solver for this system, started from B = E.
     pub(crate) fn solver(&self, system: &System) -> GaussSeidel {
-        GaussSeidel::new(&self.prepared.mesh, &self.form_factors, system, None)
+        GaussSeidel::new(&self.prepared.mesh, self.transport.as_ref(), system, None)
     }
 }
 

@@ -189,7 +189,7 @@ fn the_neck_of_a_table_lamp_gets_the_light_of_the_shade_around_it() {
         let on_side =
             (patch.centre - dvec3(1.5, 1.5, patch.centre.z)).length() < 0.03 && patch.normal.z.abs() < 0.1;
         if on_side && patch.centre.z > 0.4 {
-            found += made.form_factors.get(i, lamps[0]);
+            found += made.transport.get(i, lamps[0]);
             expected += point_to_polygon(patch.centre, patch.normal, &shade);
         }
     }

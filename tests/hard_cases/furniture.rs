@@ -3,11 +3,11 @@
 use crate::common::{Model, builtin, lines, solved};
 use glam::{DVec3, dvec3};
 use lumenwalk::mesh::PatchTarget;
-use lumenwalk::solve::{SolveSettings, Solved};
+use lumenwalk::solve::{Solution, SolveSettings};
 
 /// A room with a table under its lamp, and bricks in a corner that have more faces than patches are
 /// asked for.
-fn furnished(bricks: u32) -> Solved {
+fn furnished(bricks: u32) -> Solution {
     let mut m = Model::new();
     m.grey("paint", 0.5).paint("glow", [0.5; 3], [20.0; 3]);
     let all = Some("paint");
@@ -22,7 +22,7 @@ fn furnished(bricks: u32) -> Solved {
 }
 
 /// Irradiance of the floor patch that holds a place, over that of the one in the open at the same height.
-fn on_floor(solved: &Solved, x: f64, z: f64) -> f64 {
+fn on_floor(solved: &Solution, x: f64, z: f64) -> f64 {
     let light = solved.light(&solved.scene.lighting());
     let is_floor = |i: &usize| {
         let patch = &solved.mesh.patches[*i];

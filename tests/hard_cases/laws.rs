@@ -53,18 +53,19 @@ pub(crate) fn hold_with(name: &str, scene: &Arc<Scene>, kind: Kind, settings: &S
 
 #[track_caller]
 fn form_factors_hold(name: &str, made: &Assembled, kind: Kind) {
-    let f = &made.form_factors;
+    let f = &made.transport;
     let mut unseeing = 0.0;
     for i in 0..f.len() {
         let p = &made.patches()[i];
         let place = || format!("{name}: patch {i} of {} at {} facing {}", f.len(), p.centre, p.normal);
         assert!(p.centre.is_finite() && p.area > 0.0 && p.area.is_finite(), "{}", place());
-        let (columns, values) = f.row(i);
-        for (&j, &s) in columns.iter().zip(values) {
+        for (j, s) in f.row(i) {
             assert!(s >= 0.0 && s.is_finite(), "{}: S = {s}", place());
-            let (back, mirrored) = f.row(j as usize);
-            let at = back.binary_search(&(i as u32)).unwrap_or_else(|_| panic!("{}: {j} unseeing", place()));
-            assert_eq!(s.to_bits(), mirrored[at].to_bits(), "{}: not reciprocal with {j}", place());
+            let back = f.row(j as usize);
+            let at = back
+                .binary_search_by_key(&(i as u32), |entry| entry.0)
+                .unwrap_or_else(|_| panic!("{}: {j} unseeing", place()));
+            assert_eq!(s.to_bits(), back[at].1.to_bits(), "{}: not reciprocal with {j}", place());
         }
         let sum = f.row_sum(i);
         assert!((0.0..=1.0 + 1e-9).contains(&sum), "{}: the row sums to {sum}", place());
@@ -82,7 +83,7 @@ fn form_factors_hold(name: &str, made: &Assembled, kind: Kind) {
             );
         }
     }
-    let told = made.report;
+    let told = made.transport.report();
     assert!(told.imbalance <= 1e-7, "{name}: {told:?}");
     assert!(kind == Kind::Open || told.kept < 1e-6, "{name}: rows contradict each other: {told:?}");
     let all = made.area(&made.of(|_| true));
@@ -127,7 +128,7 @@ pub(crate) fn swept(made: &Assembled, system: &System, share: f64) -> (LightBase
     let mut solver = made.solver(system);
     let mut report = solver.report(system);
     for _ in 0..40 {
-        report = solver.sweep(&made.form_factors, system, &|| false).expect("not cancelled");
+        report = solver.sweep(made.transport.as_ref(), system, &|| false).expect("not cancelled");
         let missing = (report.absorbed + report.escaped - report.emitted).abs();
         if missing <= share * report.emitted && report.error_bound <= 1e-7 {
             break;

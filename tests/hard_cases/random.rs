@@ -201,7 +201,7 @@ fn refinement_lowers_the_error() {
             ["floor", "west", "east", "north", "south"]
                 .map(|wall| {
                     let lit: Vec<usize> =
-                        made.of(|o| o == wall).into_iter().filter(|&i| made.form_factors.sees(i)).collect();
+                        made.of(|o| o == wall).into_iter().filter(|&i| made.transport.sees(i)).collect();
                     made.mean(&lit, |i| illuminance(irradiance[i].map(f64::from)))
                 })
                 .to_vec()

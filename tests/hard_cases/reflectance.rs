@@ -10,7 +10,7 @@ fn sweeps(name: &str, made: &Assembled, rho: &dyn Fn(usize) -> f64) -> u32 {
     let system = made.grey_system(|i| (rho(i), if lit(i) { 20.0 } else { 0.0 }));
     let mut solver = made.solver(&system);
     loop {
-        let report = solver.sweep(&made.form_factors, &system, &|| false).expect("not cancelled");
+        let report = solver.sweep(made.transport.as_ref(), &system, &|| false).expect("not cancelled");
         assert!(report.residual.is_finite(), "{name}: {report:?}");
 
         if report.residual <= 1e-6 {

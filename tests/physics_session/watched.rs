@@ -53,7 +53,7 @@ impl Watched {
 
     /// Gives a material of the present scene another reflectance.
     pub(crate) fn repaint(&self, material: u32, reflectance: [f64; 3]) {
-        let scene = self.session.latest().scene.clone().expect("a scene");
+        let scene = self.session.latest().scene().cloned().expect("a scene");
         self.session.set_materials(&scene, vec![MaterialEdit { material, reflectance }]);
     }
 

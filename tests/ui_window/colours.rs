@@ -59,7 +59,7 @@ fn a_material_is_recoloured_and_as_bright_as_before() {
     reveal(&mut harness, "Colour of brick");
     click(&mut harness, "Colour of brick");
     click_strip(&mut harness, "Hue of brick", 2.0 / 3.0);
-    let scene = solved().scene.clone().expect("a scene");
+    let scene = solved().scene().cloned().expect("a scene");
     let brick = scene.materials.iter().position(|m| m.name == "brick").expect("there");
     let new = harness.state().edits().reflectance[brick].expect("edited");
     assert!(new[2] > new[0] && new[2] > new[1], "blue: {new:?}");

@@ -38,11 +38,7 @@ fn unlit(scene: &Arc<Scene>) -> Arc<Snapshot> {
         mesh_serial: 1,
         stage: Stage::Unlit,
         read: Some(Arc::clone(scene)),
-        scene: Some(solved.scene),
-        mesh: Some(solved.mesh),
-        plan: Some(solved.plan),
-        computer: Some(solved.computer),
-        reflectance: solved.reflectance,
+        solution: Some(Arc::new(solved)),
         settings: settings(),
         ..Snapshot::default()
     })
@@ -85,10 +81,7 @@ fn one_click_adds_lamps_and_undo_takes_them_back() {
     let solved = solve::solve(lit, &settings(), &never, &mut |_| Control::Continue).expect("solved");
     worker.publish(|s| {
         (s.mesh_serial, s.stage) = (2, Stage::Converged);
-        (s.scene, s.mesh) = (Some(solved.scene), Some(solved.mesh));
-        (s.form_factors, s.bases) = (Some(solved.form_factors), Some(solved.bases));
-        (s.plan, s.computer) = (Some(solved.plan), Some(solved.computer));
-        s.reflectance = solved.reflectance;
+        s.solution = Some(Arc::new(solved));
     });
     wait_until(&mut harness, "the light", |h| !h.state().light().radiosity.is_empty());
     harness.run_steps(3);

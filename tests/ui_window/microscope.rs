@@ -11,7 +11,7 @@ use lumenwalk::ui::{App, Quantity};
 /// A patch of the brick wall that the start view sees in the open.
 fn wall_patch() -> u32 {
     let snapshot = solved();
-    let (mesh, scene) = (snapshot.mesh.clone().expect("meshed"), snapshot.scene.clone().expect("read"));
+    let (mesh, scene) = (snapshot.mesh().cloned().expect("meshed"), snapshot.scene().cloned().expect("read"));
     let far = |p: &&lumenwalk::mesh::Patch| scene.materials[p.material as usize].name == "plaster";
     let wanted = glam::dvec3(4.0, 1.6, 1.2);
     let best = mesh
@@ -45,7 +45,8 @@ fn quantity(harness: &Harness<'_, App>) -> Quantity {
 fn the_row_on_the_scene_is_the_row_of_the_matrix() {
     let (mut harness, patch) = looking(false);
     let snapshot = solved();
-    let (mesh, factors) = (snapshot.mesh.clone().expect("meshed"), snapshot.form_factors.clone().expect("F"));
+    let (mesh, factors) =
+        (snapshot.mesh().cloned().expect("meshed"), snapshot.transport().cloned().expect("F"));
     click(&mut harness, "Row on the scene");
     assert_eq!(quantity(&harness), Quantity::RowDensity);
     for (name, shown) in [
@@ -128,7 +129,7 @@ fn a_click_into_the_hemicube_looks_into_what_it_sees_and_back() {
     click_at(&mut harness, middle, Modifiers::NONE);
     let seen = harness.state().inspected().expect("a patch");
     assert_ne!(seen, patch);
-    let mesh = solved().mesh.clone().expect("meshed");
+    let mesh = solved().mesh().cloned().expect("meshed");
     let [from, to] = [patch, seen].map(|p| &mesh.patches[p as usize]);
     let way = (to.centre - from.centre).normalize();
     assert!(from.normal.dot(way) > 0.9, "the middle looks straight ahead: {}", from.normal.dot(way));
@@ -140,7 +141,7 @@ fn a_click_into_the_hemicube_looks_into_what_it_sees_and_back() {
 #[test]
 fn neighbours_are_listed_and_one_click_away() {
     let (mut harness, patch) = looking(false);
-    let mesh = solved().mesh.clone().expect("meshed");
+    let mesh = solved().mesh().cloned().expect("meshed");
     let around = mesh.neighbours(patch);
     assert!(around.len() >= 5);
     let (neighbour, _) = around[1];
@@ -158,7 +159,7 @@ fn the_table_sorts_and_goes_to_a_patch() {
     press(&mut harness, Key::J);
     wait_until(&mut harness, "the maps", |h| h.query_by_label("Sort by recip. %").is_some());
     let (mesh, factors) =
-        (solved().mesh.clone().expect("meshed"), solved().form_factors.clone().expect("assembled"));
+        (solved().mesh().cloned().expect("meshed"), solved().transport().cloned().expect("assembled"));
     let worst = (0..mesh.patches.len())
         .max_by(|&a, &b| {
             let of = |i: usize| factors.quality(i).worst_reciprocity;
@@ -194,7 +195,7 @@ fn the_table_sorts_and_goes_to_a_patch() {
 #[test]
 fn maps_of_defects_come_in_their_units_and_signs() {
     let mut harness = window(&Counting::showing(solved()), false);
-    let factors = solved().form_factors.clone().expect("assembled");
+    let factors = solved().transport().cloned().expect("assembled");
     let chosen = |harness: &mut Harness<'_, App>, name: &str| {
         harness.get_by_label("Show").scroll_to_me();
         harness.run_steps(20);
@@ -240,7 +241,7 @@ fn the_map_of_the_error_comes_with_the_check_and_goes_with_the_light() {
     });
     click(&mut harness, "Map of the error");
     assert_eq!(quantity(&harness), Quantity::Error);
-    let mesh = solved().mesh.clone().expect("meshed");
+    let mesh = solved().mesh().cloned().expect("meshed");
     let values = harness.state().shown_values().to_vec();
     assert_eq!(values.len(), mesh.patches.len());
     for (value, patch) in values.iter().zip(&mesh.patches) {

@@ -6,13 +6,15 @@ use egui::{Key, Modifiers};
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable as _;
 use lumenwalk::scene::illuminance;
+use lumenwalk::session::Recompute;
 use lumenwalk::solve::Stage;
+use lumenwalk::solver::LightBases;
 use lumenwalk::ui::{App, Motion, Quantity, ShadingMode};
 use std::sync::Arc;
 
 /// Area-weighted mean illuminance, lux.
 fn mean_lux(harness: &Harness<'_, App>) -> f64 {
-    let mesh = solved().mesh.clone().expect("meshed");
+    let mesh = solved().mesh().cloned().expect("meshed");
     let light = harness.state().light();
     let lit = mesh.patches.iter().zip(&light.irradiance);
     let sum: f64 = lit.map(|(patch, h)| patch.area * illuminance(h.map(f64::from))).sum();
@@ -316,7 +318,7 @@ fn ctrl_click_looks_into_a_patch_and_escape_leaves_it() {
     let at = place_of_lamp(&harness, 0);
     click_at(&mut harness, at, Modifiers::COMMAND | Modifiers::CTRL);
     let patch = harness.state().inspected().expect("a patch");
-    let mesh = solved().mesh.clone().expect("meshed");
+    let mesh = solved().mesh().cloned().expect("meshed");
     assert_eq!(mesh.patches[patch as usize].luminaire, Some(0));
     assert_eq!(switches(&harness), [true, true], "looking does not switch");
     press(&mut harness, Key::Escape);
@@ -482,14 +484,17 @@ fn what_the_worker_said_once_gives_way_to_what_is_switched() {
     let worker = Counting::showing(solved());
     let mut harness = window(&worker, false);
     worker.publish(|s| {
-        s.last_change = "materials: 0 rows, 3 sweeps, 40 ms".to_owned();
+        s.last_change = Some(Recompute { sweeps: 3, seconds: 0.04, ..Recompute::default() });
         s.stage = Stage::Rows;
     });
     harness.run_steps(3);
     assert!(harness.query_by_label_contains("materials: 0 rows").is_some());
     press(&mut harness, Key::Num1);
     // More light of the same solve comes: it says nothing new.
-    worker.publish(|s| s.bases = s.bases.as_deref().cloned().map(Arc::new));
+    worker.publish(|s| {
+        let solution = s.solution_mut().expect("solved");
+        solution.bases = Arc::new(LightBases::clone(&solution.bases));
+    });
     harness.run_steps(3);
     assert!(harness.query_by_label_contains("Ceiling lamp off").is_some());
     assert!(harness.query_by_label_contains("materials: 0 rows").is_none());

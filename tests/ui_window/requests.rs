@@ -7,7 +7,7 @@ use egui::Key;
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable as _;
 use lumenwalk::scene::{LengthUnit, SceneSource, View};
-use lumenwalk::session::Snapshot;
+use lumenwalk::session::{Recompute, Snapshot};
 use lumenwalk::solve::Stage;
 use lumenwalk::ui::App;
 use std::path::PathBuf;
@@ -55,7 +55,8 @@ fn the_key_for_a_rest_does_nothing_while_nothing_runs() {
 #[test]
 fn a_file_that_takes_frames_to_be_refused_is_said_not_to_be_opened() {
     let worker = Counting::showing(solved());
-    worker.publish(|s| s.last_change = "opened room: 700 rows, 6 sweeps, 1.0 s".to_owned());
+    let opened = Recompute { scene: true, rows: 700, sweeps: 6, seconds: 1.0, ..Recompute::default() };
+    worker.publish(|s| s.last_change = Some(opened));
     let mut harness = window(&worker, false);
     press(&mut harness, Key::F5);
     assert!(says(&harness, "opening room.obj"));
@@ -222,7 +223,7 @@ fn a_model_on_its_side_in_inches_is_set_right_with_one_click() {
     wait_until(&mut harness, "the model is read again", |_| opened(&worker).len() == 1);
     let sidecar = std::fs::read_to_string(model.with_extension("toml")).expect("written");
     assert!(sidecar.contains("unit = \"in\"") && sidecar.contains("up = \"z\""), "{sidecar}");
-    assert!(solution_of(&model).scene.as_ref().is_some_and(|scene| {
+    assert!(solution_of(&model).scene().is_some_and(|scene| {
         (scene.bounds().size().z - 3.0).abs() < 1.0 && scene.findings.iter().all(|f| f.remedy.is_none())
     }));
 }

@@ -119,18 +119,15 @@ fn light_a_follows_to_another_mesh_of_its_scene() {
     reveal(&mut harness, "Store as A");
     click(&mut harness, "Store as A");
     click(&mut harness, "Ceiling lamp");
-    let scene = solved().scene.clone().expect("a scene");
+    let scene = solved().scene().cloned().expect("a scene");
     let settings = SolveSettings { patches: PatchTarget::Count(300), ..SolveSettings::default() };
     let never = AtomicBool::new(false);
     let other = solve::solve(scene, &settings, &never, &mut |_| Control::Continue).expect("solved");
     let patches = other.mesh.patches.len();
-    assert_ne!(patches, solved().mesh.as_ref().expect("meshed").patches.len());
+    assert_ne!(patches, solved().mesh().expect("meshed").patches.len());
     let (mesh, bases) = (Arc::clone(&other.mesh), Arc::clone(&other.bases));
     worker.publish(|s| {
-        (s.mesh, s.bases, s.mesh_serial) = (Some(other.mesh), Some(other.bases), s.mesh_serial + 1);
-        (s.form_factors, s.computer, s.plan) =
-            (Some(other.form_factors), Some(other.computer), Some(other.plan));
-        s.reflectance = other.reflectance;
+        (s.solution, s.mesh_serial) = (Some(Arc::new(other)), s.mesh_serial + 1);
     });
     wait_until(&mut harness, "the other mesh", |h| h.state().light().irradiance.len() == patches);
     reveal(&mut harness, "Show difference to A");

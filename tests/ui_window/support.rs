@@ -5,7 +5,7 @@ use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable as _;
 use lumenwalk::scene::{self, PlacedLamp, Scene, SceneSource};
 use lumenwalk::session::{MaterialEdit, Snapshot};
-use lumenwalk::solve::{self, Control, SolveSettings, Stage};
+use lumenwalk::solve::{self, Control, SolveSettings, Timings};
 use lumenwalk::solver::SweepReport;
 use lumenwalk::ui::{App, UiState, Worker};
 use std::path::{Path, PathBuf};
@@ -67,26 +67,12 @@ pub(crate) fn solution_of(model: &Path) -> Arc<Snapshot> {
     let scene = scene::load(&SceneSource::File(model.to_owned())).expect("a scene");
     let settings = SolveSettings { patches: lumenwalk::mesh::PatchTarget::Count(700), ..Default::default() };
     let never = AtomicBool::new(false);
-    let solved =
+    let mut solution =
         solve::solve(Arc::new(scene), &settings, &never, &mut |_| Control::Continue).expect("solved");
-    Arc::new(Snapshot {
-        serial: 1,
-        mesh_serial: 1,
-        stage: Stage::Converged,
-        fraction: 1.0,
-        rows: (solved.mesh.patches.len(), solved.mesh.patches.len()),
-        scene: Some(solved.scene),
-        mesh: Some(solved.mesh),
-        plan: Some(solved.plan),
-        computer: Some(solved.computer),
-        form_factors: Some(solved.form_factors),
-        assembled: Some(solved.assembled),
-        bases: Some(solved.bases),
-        reflectance: solved.reflectance,
-        sweeps: Arc::new((1..=6).map(sweep).collect()),
-        settings,
-        ..Snapshot::default()
-    })
+    solution.sweeps = (1..=6).map(sweep).collect();
+    // Pictures of the window show no times.
+    let timings = Timings::default();
+    Arc::new(Snapshot { serial: 1, mesh_serial: 1, timings, ..Snapshot::of(solution) })
 }
 
 /// Reports that stay the same whatever the solver learns: pictures of the window show them.
@@ -212,7 +198,7 @@ pub(crate) fn press(harness: &mut Harness<'_, App>, key: Key) {
 
 /// Where a patch appears in the window.
 pub(crate) fn place_of(harness: &Harness<'_, App>, patch: u32) -> Pos2 {
-    let mesh = solved().mesh.clone().expect("meshed");
+    let mesh = solved().mesh().cloned().expect("meshed");
     let rect = harness.get_by_label("Scene view").rect();
     let size = [rect.width() as u32, rect.height() as u32];
     let centre = mesh.patches[patch as usize].centre;
@@ -222,7 +208,7 @@ pub(crate) fn place_of(harness: &Harness<'_, App>, patch: u32) -> Pos2 {
 
 /// Where a patch of this luminaire appears in the window.
 pub(crate) fn place_of_lamp(harness: &Harness<'_, App>, luminaire: u32) -> Pos2 {
-    let mesh = solved().mesh.clone().expect("meshed");
+    let mesh = solved().mesh().cloned().expect("meshed");
     let patch = mesh.patches.iter().position(|p| p.luminaire == Some(luminaire)).expect("it shines");
     place_of(harness, patch as u32)
 }
@@ -265,9 +251,8 @@ pub(crate) fn reveal(harness: &mut Harness<'_, App>, name: &str) {
 /// The scene on screen, read again with changes.
 pub(crate) fn read_again(worker: &Counting, change: impl FnOnce(&mut Scene)) {
     worker.publish(|s| {
-        let mut scene = Scene::clone(s.scene.as_ref().expect("a scene"));
-        change(&mut scene);
-        s.scene = Some(Arc::new(scene));
+        let solution = s.solution_mut().expect("a scene");
+        change(Arc::make_mut(&mut solution.scene));
         s.mesh_serial += 1;
     });
 }

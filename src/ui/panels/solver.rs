@@ -96,7 +96,7 @@ pub(in crate::ui) fn show(ui: &mut egui::Ui, model: &Model<'_>, out: &mut Comman
     let bar = ProgressBar::new(fraction_of(snapshot) as f32).desired_height(8.0);
     ui.add(bar.fill(if running { theme::ACCENT } else { Color32::from_gray(80) }));
     numbers(ui, snapshot, model.power);
-    residual_plot(ui, &snapshot.sweeps);
+    residual_plot(ui, snapshot.sweeps());
     // One line, kept while there is nothing to say.
     let change = if model.last_change.is_empty() { " " } else { model.last_change };
     ui.add_space(2.0);
@@ -119,7 +119,7 @@ fn costs(ui: &mut egui::Ui, model: &Model<'_>) {
         let told = if seconds > 0.0 { units::duration(seconds) } else { "-".to_owned() };
         theme::row(ui, name, told).on_hover_text(tip);
     }
-    let Some(plan) = snapshot.plan.as_ref().filter(|plan| !plan.decisions.is_empty()) else { return };
+    let Some(plan) = snapshot.plan().filter(|plan| !plan.decisions.is_empty()) else { return };
     theme::group_title(ui, "Effects of this scene");
     for decision in &plan.decisions {
         let on = plan.is_on(decision.effect);
@@ -144,7 +144,7 @@ fn numbers(ui: &mut egui::Ui, snapshot: &Snapshot, power: Power) {
     let (done, all) = snapshot.rows;
     let rows = if all > 0 { format!("{} of {}", units::count(done), units::count(all)) } else { none() };
     theme::row(ui, "Form-factor rows", rows);
-    let last = snapshot.sweeps.last();
+    let last = snapshot.sweeps().last();
     let sweeps = last.map_or_else(none, |s| format!("{}, residual {:.1e}", s.sweep, s.residual));
     theme::row(ui, "Sweeps", sweeps)
         .on_hover_text("The residual is what the last sweep still changed, of all");

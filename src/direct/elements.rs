@@ -1,0 +1,197 @@
+//! Elements: the triangles of a mesh divided further, which carry direct light at their corners.
+//!
+//! Every lit side of every triangle of [`PatchMesh::triangles`] is the root of a binary tree. A triangle is divided
+//! across one of its edges, and so is its neighbour there: no corner ever lies within an edge, and colours that are
+//! linear between corners have no seams (longest-edge bisection, Rivara 1984).
+
+use crate::mesh::{self, NO_PATCH, PatchMesh, Side};
+use glam::DVec3;
+use std::collections::HashMap;
+
+/// Stands for "no element".
+pub const NO_ELEMENT: u32 = u32::MAX;
+
+/// A triangle of a tree.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Element {
+    /// Indices of its corners, in the order of its root's: counter-clockwise from the front.
+    pub corners: [u32; 3],
+    /// The patch that it is a part of.
+    pub patch: u32,
+    /// The first of its two children; [`NO_ELEMENT`] on a leaf.
+    pub children: u32,
+    /// Where it is divided: across the edge from this corner to the next.
+    pub edge: u8,
+}
+
+/// A corner of elements.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ElementCorner {
+    /// Metres.
+    pub position: DVec3,
+    /// Unit normal of the surface there, smooth where the model is.
+    pub normal: DVec3,
+}
+
+/// The trees, and the direct light at their corners.
+#[derive(Clone, Debug, Default)]
+pub struct Elements {
+    /// All corners; those of the roots come first.
+    pub corners: Vec<ElementCorner>,
+    /// All triangles, roots first.
+    pub elements: Vec<Element>,
+    /// For each triangle of [`PatchMesh::triangles`] and each side, at `2 * triangle + side`, its root; [`NO_ELEMENT`]
+    /// where the side has no patch.
+    pub roots: Vec<u32>,
+    /// Where the values of each corner end in `values`.
+    ends: Vec<u32>,
+    /// Basis and irradiance per unit of its exitance.
+    values: Vec<(u32, f32)>,
+    /// What part of the direct light the elements are expected to be off by, RMS over the area.
+    pub expected_error: f64,
+}
+
+impl Elements {
+    /// The triangles of a mesh, undivided and dark.
+    pub(super) fn roots_of(mesh: &PatchMesh, smooth: bool) -> Self {
+        let stretches = mesh::stretches(mesh);
+        let mut known: HashMap<[u32; 3], u32> = HashMap::new();
+        let mut all = Self::default();
+        for piece in &mesh.pieces {
+            let flat = mesh.regions[piece.region as usize].frame.normal;
+            let mut corner_on = |all: &mut Self, side: Side, k: usize| {
+                let corner = piece.corners.start as usize + k;
+                let from = &mesh.corners[corner];
+                let stretch = stretches.get(corner).copied().unwrap_or(0);
+                *known.entry([from.vertex, piece.region, 2 * stretch + side as u32]).or_insert_with(|| {
+                    let normal = if smooth { from.normal } else { flat };
+                    all.corners.push(ElementCorner {
+                        position: mesh.vertices[from.vertex as usize],
+                        normal: normal * side.sign(),
+                    });
+                    all.corners.len() as u32 - 1
+                })
+            };
+            for k in 1..piece.corners.len() - 1 {
+                for side in [Side::Front, Side::Back] {
+                    let patch = piece.patches[side as usize];
+                    if patch == NO_PATCH {
+                        all.roots.push(NO_ELEMENT);
+                        continue;
+                    }
+                    let corners = [0, k, k + 1].map(|k| corner_on(&mut all, side, k));
+                    all.roots.push(all.elements.len() as u32);
+                    all.elements.push(Element { corners, patch, children: NO_ELEMENT, edge: 0 });
+                }
+            }
+        }
+        all
+    }
+
+    /// The undivided triangles.
+    pub fn leaves(&self) -> impl Iterator<Item = &Element> {
+        self.elements.iter().filter(|element| element.children == NO_ELEMENT)
+    }
+
+    /// Positions of the corners of an element, metres.
+    pub fn positions(&self, element: &Element) -> [DVec3; 3] {
+        element.corners.map(|corner| self.corners[corner as usize].position)
+    }
+
+    /// Area of an element, m².
+    pub fn area(&self, element: &Element) -> f64 {
+        let [a, b, c] = self.positions(element);
+        0.5 * (b - a).cross(c - a).length()
+    }
+
+    /// Direct light at a corner: basis and irradiance per unit of its exitance, bases in rising order.
+    pub fn light_at(&self, corner: u32) -> &[(u32, f32)] {
+        let c = corner as usize;
+        let start = if c == 0 { 0 } else { self.ends.get(c - 1).copied().unwrap_or(0) };
+        let end = self.ends.get(c).copied().unwrap_or(start);
+        &self.values[start as usize..end as usize]
+    }
+
+    /// Adds the light of the next corner, bases in rising order.
+    pub(super) fn push_light(&mut self, light: &[(u32, f32)]) {
+        self.values.extend_from_slice(light);
+        self.ends.push(self.values.len() as u32);
+    }
+
+    /// How many corners have been given light.
+    pub(super) fn lit(&self) -> usize {
+        self.ends.len()
+    }
+
+    /// The leaf that holds a point of a root, by the weights of the root's corners, and the weights of its own
+    /// corners there.
+    pub fn locate(&self, root: u32, mut weights: [f64; 3]) -> (u32, [f64; 3]) {
+        let mut at = root;
+        loop {
+            let element = &self.elements[at as usize];
+            if element.children == NO_ELEMENT {
+                return (at, weights);
+            }
+            let e = usize::from(element.edge);
+            let [a, b, c] = [e, (e + 1) % 3, (e + 2) % 3].map(|k| weights[k]);
+            // The children run from the far corner to an end of the edge to its middle.
+            if a >= b {
+                (at, weights) = (element.children, [c, a - b, 2.0 * b]);
+            } else {
+                (at, weights) = (element.children + 1, [b - a, c, 2.0 * a]);
+            }
+        }
+    }
+
+    /// Divides an element across an edge whose middle is the corner `middle`.
+    pub(super) fn divide(&mut self, index: u32, edge: usize, middle: u32) {
+        let children = self.elements.len() as u32;
+        let element = &mut self.elements[index as usize];
+        let [a, b, c] = [edge, (edge + 1) % 3, (edge + 2) % 3].map(|k| element.corners[k]);
+        let patch = element.patch;
+        (element.edge, element.children) = (edge as u8, children);
+        for corners in [[c, a, middle], [b, c, middle]] {
+            self.elements.push(Element { corners, patch, children: NO_ELEMENT, edge: 0 });
+        }
+    }
+
+    /// Mean direct light of each patch, a value per basis: `values[patch * bases + basis]`.
+    pub fn patch_means(&self, mesh: &PatchMesh, bases: usize) -> Vec<f32> {
+        let mut sums = vec![0.0_f64; mesh.patches.len() * bases];
+        for element in self.leaves() {
+            let third = self.area(element) / 3.0;
+            let own = &mut sums[element.patch as usize * bases..][..bases];
+            for &(basis, value) in element.corners.iter().flat_map(|&corner| self.light_at(corner)) {
+                own[basis as usize] += third * f64::from(value);
+            }
+        }
+        let patches = mesh.patches.iter().flat_map(|p| std::iter::repeat_n(p.area, bases));
+        sums.iter()
+            .zip(patches)
+            .map(|(sum, area)| if area > 0.0 { (sum / area) as f32 } else { 0.0 })
+            .collect()
+    }
+
+    /// Leaves out corners that no element has, and their light.
+    pub(super) fn compact(&mut self) {
+        let mut used = vec![false; self.corners.len()];
+        for element in &self.elements {
+            element.corners.iter().for_each(|&corner| used[corner as usize] = true);
+        }
+        let mut kept = Self { roots: std::mem::take(&mut self.roots), ..Self::default() };
+        let mut new = vec![0_u32; self.corners.len()];
+        for (index, corner) in self.corners.iter().enumerate() {
+            if used[index] {
+                new[index] = kept.corners.len() as u32;
+                kept.corners.push(*corner);
+                kept.push_light(self.light_at(index as u32));
+            }
+        }
+        kept.elements = std::mem::take(&mut self.elements);
+        for element in &mut kept.elements {
+            element.corners = element.corners.map(|corner| new[corner as usize]);
+        }
+        kept.expected_error = self.expected_error;
+        *self = kept;
+    }
+}

@@ -1,0 +1,434 @@
+//! Elements divided where direct light is not linear between their corners.
+
+use super::elements::{Element, ElementCorner, Elements, NO_ELEMENT};
+use super::light::{DirectLight, Scratch, Views};
+use crate::mesh::PatchMesh;
+use crate::watch::{Cancelled, Watch};
+use glam::DVec3;
+use rayon::prelude::*;
+use std::collections::{HashMap, HashSet};
+use std::sync::Arc;
+
+/// How finely direct light is divided.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ElementSettings {
+    /// Division ends once direct light is expected to be off by this part of the light there (of a mean at least),
+    /// RMS over the area; above zero.
+    pub error: f64,
+    /// There are no more elements than this, besides the triangles of the mesh.
+    pub most: usize,
+    /// Exitance of each basis that decides what counts: luminance, W/m².
+    pub exitance: Vec<f64>,
+    /// Whether normals follow smooth surfaces.
+    pub smooth: bool,
+}
+
+/// A corner beside which something may stand is looked at so far inside of an element, of its size: on a line
+/// between two planes light has two values.
+const INSET: f64 = 1e-3;
+/// A basis counts relative to the light there and to its own mean, but at least to this part of the mean of all.
+const FAINT: f64 = 0.1;
+/// Each pass divides the elements that make up so much of the squared error (Dörfler 1996).
+const BULK: f64 = 0.6;
+/// No edge is divided below this share of the scene's size.
+const SHORTEST: f64 = 2e-5;
+/// Passes at most.
+const MOST_PASSES: usize = 64;
+
+/// Elements on their way.
+struct Refinement<'a> {
+    light: &'a DirectLight,
+    settings: &'a ElementSettings,
+    elements: Elements,
+    /// What each element may see, and how wrong it is expected to be; of leaves alone.
+    views: Vec<Arc<Views>>,
+    errors: Vec<f64>,
+    /// Corners in the middles of edges, by the corners at their ends; not all of them are in use.
+    middles: HashMap<(u32, u32), u32>,
+    /// Edges that have an element on one side alone.
+    borders: HashSet<(u32, u32)>,
+    /// Mean light of all bases together and what each basis is measured by at least.
+    mean: f64,
+    floors: Vec<f64>,
+    area: f64,
+    /// Nearer than this to a plane nothing is hidden by it, metres.
+    inset: f64,
+    shortest: f64,
+}
+
+type Light = Vec<(u32, f32)>;
+
+impl Elements {
+    /// The direct light of a mesh on elements.
+    ///
+    /// # Errors
+    /// The watch ended it.
+    pub fn build(
+        mesh: &PatchMesh,
+        light: &DirectLight,
+        settings: &ElementSettings,
+        watch: &mut Watch<'_>,
+    ) -> Result<Self, Cancelled> {
+        let mut elements = Self::roots_of(mesh, settings.smooth);
+        let views = watch.part(0.0, 0.2).map(&elements.elements, |_, root| {
+            if mesh.patches[root.patch as usize].buried {
+                return Arc::default();
+            }
+            let normal = mesh.patches[root.patch as usize].normal;
+            Arc::new(light.views(&elements.positions(root), normal, &mut Scratch::default()))
+        })?;
+        let borders = borders(&elements);
+        let inset = 3.0 * light.thickness();
+        // 1. The corners of the mesh, seen from their elements.
+        let places = places(&elements, inset);
+        let lights = watch.part(0.2, 0.3).map(&places, |corner, place| match place {
+            Some((element, point)) => {
+                let normal = elements.corners[corner].normal;
+                gathered(light, *point, normal, &views[*element as usize], &mut Scratch::default())
+            }
+            None => Light::new(),
+        })?;
+        lights.iter().for_each(|light| elements.push_light(light));
+        let mut refinement = Refinement {
+            light,
+            settings,
+            errors: vec![0.0; elements.elements.len()],
+            elements,
+            views,
+            middles: HashMap::new(),
+            borders,
+            mean: 0.0,
+            floors: Vec::new(),
+            area: 0.0,
+            inset,
+            shortest: SHORTEST * mesh.size,
+        };
+        refinement.measure_means();
+        // 2. Those that are worst, pass by pass.
+        let mut fresh: Vec<u32> = (0..refinement.elements.elements.len() as u32).collect();
+        let mut part = watch.part(0.3, 1.0);
+        for pass in 0..MOST_PASSES {
+            let share = pass as f64 / (pass as f64 + 8.0);
+            let next = (pass + 1) as f64 / (pass as f64 + 9.0);
+            refinement.examine(&fresh, &mut part.part(share, next))?;
+            let marked = refinement.worst();
+            if marked.is_empty() {
+                break;
+            }
+            fresh = refinement.divide(&marked, mesh);
+        }
+        let mut elements = refinement.elements;
+        elements.compact();
+        Ok(elements)
+    }
+}
+
+/// Edges with an element on one side alone.
+fn borders(elements: &Elements) -> HashSet<(u32, u32)> {
+    let mut once = HashSet::new();
+    for key in elements.elements.iter().flat_map(|element| (0..3).map(|k| edge_key(element, k))) {
+        if !once.remove(&key) {
+            once.insert(key);
+        }
+    }
+    once
+}
+
+/// Where the light of each corner is looked for: in the open near it, and an element that holds that point.
+fn places(elements: &Elements, inset: f64) -> Vec<Option<(u32, DVec3)>> {
+    let mut sums = vec![(DVec3::ZERO, 0.0, NO_ELEMENT); elements.corners.len()];
+    for (index, element) in elements.elements.iter().enumerate() {
+        let [a, b, c] = elements.positions(element);
+        for &corner in &element.corners {
+            let sum = &mut sums[corner as usize];
+            sum.0 += (a + b + c) / 3.0;
+            sum.1 += 1.0;
+            sum.2 = index as u32;
+        }
+    }
+    let place = |(corner, (sum, count, element)): (&ElementCorner, (DVec3, f64, u32))| {
+        (element != NO_ELEMENT).then(|| (element, inside(corner.position, sum / count, inset)))
+    };
+    elements.corners.iter().zip(sums).map(place).collect()
+}
+
+/// A point near another, a little towards a third.
+fn inside(point: DVec3, towards: DVec3, least: f64) -> DVec3 {
+    let way = towards - point;
+    let length = way.length();
+    if length <= 2.0 * least { point + 0.5 * way } else { point + way * INSET.max(least / length) }
+}
+
+fn edge_key(element: &Element, k: usize) -> (u32, u32) {
+    let (a, b) = (element.corners[k], element.corners[(k + 1) % 3]);
+    (a.min(b), a.max(b))
+}
+
+fn gathered(light: &DirectLight, point: DVec3, normal: DVec3, views: &Views, scratch: &mut Scratch) -> Light {
+    let mut found = Light::new();
+    light.gather(point, normal, views, scratch, |basis, value| {
+        match found.binary_search_by_key(&basis, |entry| entry.0) {
+            Ok(at) => found[at].1 += value as f32,
+            Err(at) => found.insert(at, (basis, value as f32)),
+        }
+    });
+    found
+}
+
+impl Refinement<'_> {
+    /// Mean light of each basis and of all.
+    fn measure_means(&mut self) {
+        let mut sums = vec![0.0; self.settings.exitance.len()];
+        for element in self.elements.leaves() {
+            let area = self.elements.area(element);
+            self.area += area;
+            for &(basis, value) in element.corners.iter().flat_map(|&c| self.elements.light_at(c)) {
+                sums[basis as usize] +=
+                    area / 3.0 * f64::from(value) * self.settings.exitance[basis as usize];
+            }
+        }
+        self.mean = sums.iter().sum::<f64>() / self.area.max(f64::MIN_POSITIVE);
+        self.floors = sums.iter().map(|sum| (sum / self.area).max(FAINT * self.mean)).collect();
+    }
+
+    /// Looks at the middles of the edges of some leaves.
+    fn examine(&mut self, fresh: &[u32], watch: &mut Watch<'_>) -> Result<(), Cancelled> {
+        // 1. Middles that nobody has looked at yet, each from one of its elements.
+        let mut wanted: Vec<(u32, usize)> = Vec::new();
+        let first = self.elements.corners.len() as u32;
+        for &index in fresh {
+            if self.views[index as usize].is_dark() {
+                continue;
+            }
+            let element = self.elements.elements[index as usize];
+            for k in 0..3 {
+                let next = first + wanted.len() as u32;
+                if *self.middles.entry(edge_key(&element, k)).or_insert(next) == next {
+                    wanted.push((index, k));
+                }
+            }
+        }
+        let lights = watch.map(&wanted, |_, &(index, k)| {
+            let (corner, point) = self.middle(index, k);
+            let views = &self.views[index as usize];
+            (corner, gathered(self.light, point, corner.normal, views, &mut Scratch::default()))
+        })?;
+        for (corner, light) in lights {
+            self.elements.corners.push(corner);
+            self.elements.push_light(&light);
+        }
+        debug_assert_eq!(self.elements.lit(), self.elements.corners.len());
+        // 2. How far from linear they are.
+        let errors: Vec<f64> = fresh.par_iter().map(|&index| self.error_of(index)).collect();
+        for (&index, error) in fresh.iter().zip(errors) {
+            self.errors[index as usize] = error;
+        }
+        Ok(())
+    }
+
+    /// The corner in the middle of an edge of an element, and where its light is looked for.
+    fn middle(&self, index: u32, k: usize) -> (ElementCorner, DVec3) {
+        let element = &self.elements.elements[index as usize];
+        let [a, b, c] =
+            [k, (k + 1) % 3, (k + 2) % 3].map(|k| self.elements.corners[element.corners[k] as usize]);
+        let position = 0.5 * (a.position + b.position);
+        let corner = ElementCorner { position, normal: (a.normal + b.normal).normalize_or(a.normal) };
+        let is_border = self.borders.contains(&edge_key(element, k));
+        let point = if is_border {
+            inside(position, (a.position + b.position + c.position) / 3.0, self.inset)
+        } else {
+            position
+        };
+        (corner, point)
+    }
+
+    /// The squared error of a leaf relative to the light there, times its share of the area.
+    fn error_of(&self, index: u32) -> f64 {
+        let views = &self.views[index as usize];
+        let element = &self.elements.elements[index as usize];
+        if views.is_dark() || self.mean <= 0.0 {
+            return 0.0;
+        }
+        let mut square = 0.0;
+        let mut differs = false;
+        for k in 0..3 {
+            let Some(&middle) = self.middles.get(&edge_key(element, k)) else { continue };
+            let ends = [element.corners[k], element.corners[(k + 1) % 3]];
+            let (error, is_off) = self.difference(middle, ends);
+            square += error * error / 3.0;
+            differs |= is_off;
+        }
+        let area = self.elements.area(element);
+        let mut error = square * area;
+        if !differs && !views.is_clear() {
+            error += self.light.possible_shadow(self.elements.positions(element), views);
+        }
+        error / self.area.max(f64::MIN_POSITIVE)
+    }
+
+    /// The light in the middle of an edge less the mean of that at its ends, over the light there; and whether there
+    /// is any difference to speak of.
+    fn difference(&self, middle: u32, ends: [u32; 2]) -> (f64, bool) {
+        let mut total = self.mean;
+        let mut error = 0.0_f64;
+        let mut differences: Light = self.elements.light_at(middle).to_vec();
+        for &(basis, value) in &differences {
+            total += f64::from(value) * self.settings.exitance[basis as usize];
+        }
+        for end in ends {
+            for &(basis, value) in self.elements.light_at(end) {
+                match differences.binary_search_by_key(&basis, |entry| entry.0) {
+                    Ok(at) => differences[at].1 -= 0.5 * value,
+                    Err(at) => differences.insert(at, (basis, -0.5 * value)),
+                }
+            }
+        }
+        for (basis, difference) in differences {
+            let b = basis as usize;
+            let watts = f64::from(difference).abs() * self.settings.exitance[b];
+            let here = total - self.mean;
+            error += watts / (self.floors[b] + here).max(f64::MIN_POSITIVE);
+        }
+        (error, error > 0.02)
+    }
+
+    /// The leaves that make up most of the squared error; none once that is small enough.
+    fn worst(&mut self) -> Vec<u32> {
+        let elements = &self.elements.elements;
+        let mut ranked: Vec<(f64, u32)> = (0..elements.len())
+            .filter(|&index| elements[index].children == NO_ELEMENT && self.errors[index] > 0.0)
+            .map(|index| (self.errors[index], index as u32))
+            .collect();
+        ranked.sort_unstable_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
+        let whole: f64 = ranked.iter().map(|entry| entry.0).sum();
+        self.elements.expected_error = whole.sqrt();
+        let roots = self.elements.roots.len();
+        let leaves = elements.len().saturating_sub(roots) / 2;
+        let room = self.settings.most.saturating_sub(leaves) / 3;
+        if whole <= self.settings.error * self.settings.error || room == 0 {
+            return Vec::new();
+        }
+        let mut sum = 0.0;
+        let mut marked = Vec::new();
+        for (error, index) in ranked {
+            if sum >= BULK * whole || marked.len() >= room {
+                break;
+            }
+            sum += error;
+            if self.longest_edge(index).1 > self.shortest {
+                marked.push(index);
+            }
+        }
+        marked
+    }
+
+    /// The longest edge of an element and its length, metres; of equal ones always the same, from both sides.
+    fn longest_edge(&self, index: u32) -> (usize, f64) {
+        let element = &self.elements.elements[index as usize];
+        let length = |k: usize| {
+            let (a, b) = edge_key(element, k);
+            self.elements.corners[a as usize].position.distance(self.elements.corners[b as usize].position)
+        };
+        let mut best = (0, length(0));
+        for k in 1..3 {
+            let new = length(k);
+            let is_equal = (new - best.1).abs() <= 1e-9 * best.1;
+            if !is_equal && new > best.1 || is_equal && edge_key(element, k) > edge_key(element, best.0) {
+                best = (k, new);
+            }
+        }
+        best
+    }
+
+    /// Divides these leaves and what else must be so that no corner lies within an edge. Returns the new leaves.
+    fn divide(&mut self, marked: &[u32], mesh: &PatchMesh) -> Vec<u32> {
+        // 1. Edges to divide: the longest of each leaf, and of each leaf that has one of them.
+        let mut owners: HashMap<(u32, u32), [u32; 2]> = HashMap::new();
+        for (index, element) in self.elements.elements.iter().enumerate() {
+            if element.children != NO_ELEMENT {
+                continue;
+            }
+            for k in 0..3 {
+                let owners = owners.entry(edge_key(element, k)).or_insert([NO_ELEMENT; 2]);
+                owners[usize::from(owners[0] != NO_ELEMENT)] = index as u32;
+            }
+        }
+        let mut to_divide: HashSet<(u32, u32)> = HashSet::new();
+        let mut touched: Vec<u32> = Vec::new();
+        let mut is_touched: HashSet<u32> = HashSet::new();
+        let mut waiting: Vec<u32> = marked.to_vec();
+        while let Some(index) = waiting.pop() {
+            if is_touched.insert(index) {
+                touched.push(index);
+            }
+            let (k, _) = self.longest_edge(index);
+            let key = edge_key(&self.elements.elements[index as usize], k);
+            if to_divide.insert(key) {
+                waiting.extend(
+                    owners.get(&key).into_iter().flatten().filter(|&&o| o != NO_ELEMENT && o != index),
+                );
+            }
+        }
+        touched.sort_unstable();
+        // 2. Middles that nobody has looked at: of leaves that are dark or are divided for a neighbour's sake.
+        for &index in &touched {
+            let element = self.elements.elements[index as usize];
+            for k in 0..3 {
+                let key = edge_key(&element, k);
+                if to_divide.contains(&key) && !self.middles.contains_key(&key) {
+                    let (corner, point) = self.middle(index, k);
+                    let views = self.views[index as usize].clone();
+                    let light = gathered(self.light, point, corner.normal, &views, &mut Scratch::default());
+                    self.middles.insert(key, self.elements.corners.len() as u32);
+                    self.elements.corners.push(corner);
+                    self.elements.push_light(&light);
+                }
+            }
+        }
+        // 3. Across the longest edge first, then across what is left to divide.
+        let first = self.elements.elements.len();
+        let mut parents: Vec<u32> = vec![NO_ELEMENT; 0];
+        let mut queue: Vec<(u32, u32)> = touched.iter().map(|&index| (index, index)).collect();
+        let mut fresh = Vec::new();
+        let mut at = 0;
+        while at < queue.len() {
+            let (index, parent) = queue[at];
+            at += 1;
+            let element = self.elements.elements[index as usize];
+            let (longest, _) = self.longest_edge(index);
+            let order = [longest, (longest + 1) % 3, (longest + 2) % 3];
+            let Some(edge) = order.into_iter().find(|&k| to_divide.contains(&edge_key(&element, k))) else {
+                if index as usize >= first {
+                    fresh.push(index);
+                }
+                continue;
+            };
+            let key = edge_key(&element, edge);
+            let middle = self.middles[&key];
+            if self.borders.contains(&key) {
+                self.borders.insert((key.0.min(middle), key.0.max(middle)));
+                self.borders.insert((key.1.min(middle), key.1.max(middle)));
+            }
+            let children = self.elements.elements.len() as u32;
+            self.elements.divide(index, edge, middle);
+            parents.extend([parent; 2]);
+            queue.extend([(children, parent), (children + 1, parent)]);
+        }
+        // 4. What the new ones may see.
+        let narrowed: Vec<Arc<Views>> = self.elements.elements[first..]
+            .par_iter()
+            .zip(&parents)
+            .map_init(Scratch::default, |scratch, (element, &parent)| {
+                let views = &self.views[parent as usize];
+                if element.children != NO_ELEMENT || views.is_clear() {
+                    return views.clone();
+                }
+                let normal = mesh.patches[element.patch as usize].normal;
+                Arc::new(self.light.narrowed(views, &self.elements.positions(element), normal, scratch))
+            })
+            .collect();
+        self.views.extend(narrowed);
+        self.errors.resize(self.elements.elements.len(), 0.0);
+        fresh
+    }
+}
