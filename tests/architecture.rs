@@ -10,7 +10,7 @@ const ROOMS: &[(&str, &str)] = &[
     ("scene", "geometry watch"),
     ("mesh", "scene geometry watch"),
     ("effects", "mesh scene geometry"),
-    ("visibility", "mesh geometry"),
+    ("visibility", "mesh geometry watch"),
     ("emitters", "mesh geometry"),
     ("direct", "emitters visibility mesh geometry watch"),
     ("form_factors", "visibility effects mesh scene geometry watch"),

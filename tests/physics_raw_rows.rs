@@ -142,7 +142,7 @@ fn furnace(rows: &[Row], active: &[usize], rho: impl Fn(usize) -> f64) -> Vec<f6
 
 #[test]
 fn rows_as_sampled_obey_the_laws_of_closed_scenes() {
-    for (name, scene, _) in closed() {
+    for (name, scene, most) in closed() {
         for (method, resolution) in METHODS {
             let prepared = prepared(&scene, method, resolution, ReceivingPoints::default());
             let (patches, rows) = (&prepared.mesh.patches, rows(&prepared));
@@ -169,8 +169,11 @@ fn rows_as_sampled_obey_the_laws_of_closed_scenes() {
             }
             let reciprocity = gap / mean;
             println!(
-                "LAWS {name} {method:?}: row {row:.2e} furnace {furnace:.2e} reciprocity {reciprocity:.4}"
+                "{name}, {method:?}: rows {row:.1e}, furnace {furnace:.1e}, reciprocity {reciprocity:.4}"
             );
+            assert!(row < 1e-6, "{name}, {method:?}: a row is off by {row}");
+            assert!(furnace < 1e-6, "{name}, {method:?}: a furnace is off by {furnace}");
+            assert!(reciprocity < most, "{name}, {method:?}: reciprocity is off by {reciprocity}");
         }
     }
 }

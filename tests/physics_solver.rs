@@ -6,10 +6,13 @@ use common::{
     Assembled, Model, assembled, builtin, ceiling_with_lamp, close, lines, mean, room_with_blocks, solved,
 };
 use glam::{DMat3, DVec3, dvec3};
+use lumenwalk::form_factors::RowComputer;
 use lumenwalk::mesh::PatchTarget;
 use lumenwalk::scene::{Scene, illuminance};
-use lumenwalk::solver::{PatchLight, System};
+use lumenwalk::solver::{GaussSeidel, PatchLight, System};
+use lumenwalk::watch::Cancelled;
 use std::sync::Arc;
+use std::sync::atomic::{AtomicUsize, Ordering};
 
 fn cube() -> Model {
     let mut m = Model::new();
@@ -439,5 +442,37 @@ fn light_does_not_care_where_a_scene_stands_how_large_it_is_or_what_it_is_called
         // that falls on one side of a half-plane or the other moves a row by some 1e-4.
         let tolerance = if name == "renamed" { 0.0 } else { 1e-3 };
         assert_same(name, &light, &there.light(&other.lighting()), tolerance);
+    }
+}
+
+#[test]
+fn preparing_rows_and_sweeps_ends_when_it_is_asked_to() {
+    let scene = builtin("hemicube");
+    let made = assembled(&scene, &lines(PatchTarget::Count(3000)));
+    let system = made.system(None);
+    let (mesh, sampling) = (&made.prepared.mesh, lines(PatchTarget::Count(3000)).sampling());
+    let rows = |cancelled: &(dyn Fn() -> bool + Sync)| {
+        RowComputer::new_unless(mesh.clone(), sampling, true, cancelled).map(|_| ())
+    };
+    let sweeps = |cancelled: &(dyn Fn() -> bool + Sync)| {
+        GaussSeidel::new_unless(mesh, made.transport.as_ref(), &system, None, cancelled).map(|_| ())
+    };
+    let works: [(&str, &dyn Fn(&(dyn Fn() -> bool + Sync)) -> Result<(), Cancelled>); 2] =
+        [("rows", &rows), ("sweeps", &sweeps)];
+    for (name, work) in works {
+        let looks = AtomicUsize::new(0);
+        let count = |end: usize| looks.fetch_add(1, Ordering::Relaxed) >= end;
+        assert_eq!(work(&|| count(usize::MAX)), Ok(()), "{name}");
+        let all = looks.load(Ordering::Relaxed);
+        assert!(all > 100, "{name}: {all} looks");
+        for end in [0, all / 10, all / 2, all - 1] {
+            looks.store(0, Ordering::Relaxed);
+            assert_eq!(work(&|| count(end)), Err(Cancelled), "{name} after {end} of {all} looks");
+            let further = looks.load(Ordering::Relaxed) - end;
+            assert!(
+                further <= 64 * rayon::current_num_threads(),
+                "{name}: {further} looks after the request"
+            );
+        }
     }
 }

@@ -8,6 +8,7 @@ use crate::effects;
 use crate::geometry::Frame;
 use crate::mesh::{Patch, PatchMesh, Side};
 use crate::visibility::{Occluders, RayScene, Viewer};
+use crate::watch::Cancelled;
 use glam::{DVec2, DVec3};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
@@ -135,6 +136,22 @@ impl RowComputer {
     /// `visibility` off takes every pair that faces each other as fully visible and uses closed
     /// forms alone: right only where [`crate::effects::Effect::Visibility`] is not called for.
     pub fn new(mesh: Arc<PatchMesh>, sampling: Sampling, visibility: bool) -> Self {
+        match Self::new_unless(mesh, sampling, visibility, &|| false) {
+            Ok(computer) => computer,
+            Err(Cancelled) => unreachable!("nobody ends it"),
+        }
+    }
+
+    /// As [`Self::new`]; asks every few milliseconds whether to end.
+    ///
+    /// # Errors
+    /// It was `cancelled`.
+    pub fn new_unless(
+        mesh: Arc<PatchMesh>,
+        sampling: Sampling,
+        visibility: bool,
+        cancelled: &(dyn Fn() -> bool + Sync),
+    ) -> Result<Self, Cancelled> {
         let Sampling { method, resolution, points } = sampling;
         let resolution = resolution.unwrap_or(method.default_resolution());
         let sampler = match method {
@@ -158,9 +175,9 @@ impl RowComputer {
                 lamps.push(Target::new(&mesh, index as u32));
             }
         }
-        Self {
-            occluders: Occluders::new(&mesh),
-            rays: RayScene::new(&mesh),
+        Ok(Self {
+            occluders: Occluders::new(&mesh, cancelled)?,
+            rays: RayScene::new(&mesh, cancelled)?,
             convex: if visibility { None } else { ConvexRows::new(&mesh) },
             is_convex: !visibility && effects::is_convex(&mesh),
             mesh,
@@ -170,7 +187,7 @@ impl RowComputer {
             visibility,
             lamps,
             computed: Arc::default(),
-        }
+        })
     }
 
     /// How many rows it has computed so far, at patches and at free points.

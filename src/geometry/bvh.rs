@@ -1,4 +1,5 @@
 use super::Aabb;
+use crate::watch::Cancelled;
 use glam::DVec3;
 
 /// A half-line. `direction` need not be of unit length: distances are in its multiples.
@@ -44,17 +45,27 @@ struct Node {
 
 const LEAF_SIZE: usize = 4;
 const BINS: usize = 16;
+/// Nodes of more triangles than this ask first whether to end.
+const BETWEEN_LOOKS: usize = 4096;
 /// Deep enough for any tree that [`Bvh::build`] makes: below this depth it splits in the middle.
 const MAX_DEPTH: usize = 60;
 
 impl Bvh {
     /// Builds the hierarchy. Triangles without area are kept and never hit.
     pub fn build(triangles: &[[DVec3; 3]]) -> Self {
+        Self::build_unless(triangles, &|| false).unwrap_or_default()
+    }
+
+    /// As [`Self::build`]; asks every few thousand triangles whether to end.
+    ///
+    /// # Errors
+    /// It was `cancelled`.
+    pub fn build_unless(triangles: &[[DVec3; 3]], cancelled: &dyn Fn() -> bool) -> Result<Self, Cancelled> {
         let mut order: Vec<u32> = (0..triangles.len() as u32).collect();
         let bounds: Vec<Aabb> = triangles.iter().map(|t| Aabb::around(*t)).collect();
         let mut bvh = Self::default();
         if !triangles.is_empty() {
-            bvh.split(&bounds, &mut order, 0, 0);
+            bvh.split(&bounds, &mut order, (0, 0), cancelled)?;
         }
         bvh.triangles = order
             .iter()
@@ -64,15 +75,24 @@ impl Bvh {
             })
             .collect();
         bvh.order = order;
-        bvh
+        Ok(bvh)
     }
 
-    fn split(&mut self, bounds: &[Aabb], order: &mut [u32], offset: usize, depth: usize) {
+    fn split(
+        &mut self,
+        bounds: &[Aabb],
+        order: &mut [u32],
+        (offset, depth): (usize, usize),
+        cancelled: &dyn Fn() -> bool,
+    ) -> Result<(), Cancelled> {
+        if order.len() > BETWEEN_LOOKS && cancelled() {
+            return Err(Cancelled);
+        }
         let node_bounds = order.iter().fold(Aabb::EMPTY, |sum, &i| sum.union(bounds[i as usize]));
         let index = self.nodes.len();
         self.nodes.push(Node { bounds: node_bounds, first: offset as u32, count: order.len() as u32 });
         if order.len() <= LEAF_SIZE {
-            return;
+            return Ok(());
         }
         let centres = Aabb::around(order.iter().map(|&i| bounds[i as usize].centre()));
         let middle = (depth < MAX_DEPTH / 2)
@@ -88,11 +108,12 @@ impl Bvh {
                 middle
             });
         let (left, right) = order.split_at_mut(middle);
-        self.split(bounds, left, offset, depth + 1);
+        self.split(bounds, left, (offset, depth + 1), cancelled)?;
         let right_index = self.nodes.len() as u32;
-        self.split(bounds, right, offset + middle, depth + 1);
+        self.split(bounds, right, (offset + middle, depth + 1), cancelled)?;
         self.nodes[index].first = right_index;
         self.nodes[index].count = 0;
+        Ok(())
     }
 
     /// The box around everything.

@@ -6,8 +6,8 @@
 
 use super::regions::Outline;
 use crate::geometry::{Aabb, Bvh, Hit, Ray, polygon};
+use crate::watch::{Cancelled, Watch};
 use glam::{DVec2, DVec3};
-use rayon::prelude::*;
 use std::sync::Arc;
 
 /// Surfaces nearer to each other than this share of the scene's diagonal lie in one place: half of what rays
@@ -49,7 +49,10 @@ pub(super) struct Sheets {
 
 impl Sheets {
     /// Looks for surfaces that lie back to back in a scene whose box has the diagonal `size`.
-    pub(super) fn new(outlines: Arc<[Outline]>, size: f64) -> Self {
+    ///
+    /// # Errors
+    /// The watch ended it.
+    pub(super) fn new(outlines: Arc<[Outline]>, size: f64, watch: &mut Watch<'_>) -> Result<Self, Cancelled> {
         let (mut triangles, mut owners, mut parts) = (Vec::new(), Vec::new(), Vec::new());
         for (owner, outline) in outlines.iter().enumerate() {
             for (number, part) in outline.parts.iter().enumerate() {
@@ -63,16 +66,15 @@ impl Sheets {
         }
         let mut sheets = Self {
             outlines,
-            bvh: Bvh::build(&triangles),
+            bvh: Bvh::build_unless(&triangles, watch.cancelled())?,
             owners,
             backing: Vec::new(),
             backers: Vec::new(),
             tolerance: TOGETHER * size,
         };
-        let found: Vec<(Backing, Vec<u32>)> =
-            (0..sheets.outlines.len()).into_par_iter().map(|index| sheets.behind(index, &parts)).collect();
+        let found = watch.map(&sheets.outlines, |index, _| sheets.behind(index, &parts))?;
         (sheets.backing, sheets.backers) = found.into_iter().unzip();
-        sheets
+        Ok(sheets)
     }
 
     /// How much of the back of an outline is covered, and by which others. `parts` are the numbers of the

@@ -157,7 +157,7 @@ pub fn build_on(
     let patch_size = sizing::patch_size(scene, settings.target, outlines, &sides, &mut finer)?;
     let asked = sizing::count_asked(scene, settings.target);
     let mut mesh = PatchMesh { size, ..PatchMesh::default() };
-    let edges = Edges::new(if as_given { &[] } else { outlines }, size);
+    let edges = Edges::new(if as_given { &[] } else { outlines }, size, watch.cancelled())?;
     let mut cutting = watch.part(0.0, CUT);
     for (index, outline) in outlines.iter().enumerate() {
         cutting.done(index as f64 / outlines.len() as f64)?;

@@ -3,6 +3,7 @@
 use super::pieces::{Cut, Grid, extent, span};
 use super::regions::{Outline, Welder};
 use crate::geometry::{Aabb, Bvh, polygon};
+use crate::watch::Cancelled;
 use glam::{DVec2, DVec3};
 use std::collections::{HashMap, HashSet};
 
@@ -35,14 +36,20 @@ struct Segment {
 }
 
 impl Edges {
-    pub(super) fn new(outlines: &[Outline], scene_size: f64) -> Self {
+    /// Fails where it was `cancelled`.
+    pub(super) fn new(
+        outlines: &[Outline],
+        scene_size: f64,
+        cancelled: &dyn Fn() -> bool,
+    ) -> Result<Self, Cancelled> {
         let of = |(owner, outline): (usize, &Outline)| -> Vec<Segment> {
             let segment = |edge: &[DVec2; 2]| Segment { owner, ends: edge.map(|c| outline.world(c)) };
             outline.edges.iter().map(segment).collect()
         };
         let segments: Vec<Segment> = outlines.iter().enumerate().flat_map(of).collect();
         let flat: Vec<[DVec3; 3]> = segments.iter().map(|s| [s.ends[0], s.ends[1], s.ends[1]]).collect();
-        Self { tree: Bvh::build(&flat), segments, tolerance: 1e-6 * scene_size }
+        let tree = Bvh::build_unless(&flat, cancelled)?;
+        Ok(Self { tree, segments, tolerance: 1e-6 * scene_size })
     }
 
     /// Lines in the plane of an outline that matter to cells of edge `shortest` or longer.

@@ -228,7 +228,9 @@ pub(super) fn prepare_watched(
     let plan = Arc::new(effects::plan(&scene, &mesh, &settings.effects));
     timings.plan = clock.elapsed().as_secs_f64();
     let visibility = plan.is_on(Effect::Visibility);
-    let computer = Arc::new(RowComputer::new(mesh.clone(), settings.sampling(), visibility));
+    let sampling = settings.sampling();
+    let computer = RowComputer::new_unless(mesh.clone(), sampling, visibility, watch.cancelled())?;
+    let computer = Arc::new(computer);
     Ok(Prepared { scene, survey, mesh, plan, computer, timings })
 }
 
@@ -449,7 +451,7 @@ impl<'a> Run<'a> {
         let n = prepared.mesh.patches.len();
         let cancel = self.cancel;
         let cancelled = || cancel.load(Ordering::Relaxed);
-        let mut solver = GaussSeidel::new(&prepared.mesh, transport, system, start);
+        let mut solver = GaussSeidel::new_unless(&prepared.mesh, transport, system, start, &cancelled)?;
         let mut reports: Vec<SweepReport> = Vec::new();
         let first = solver.report(system).error_bound;
         while reports.last().is_none_or(|r| r.error_bound > tolerance) && reports.len() < MOST_SWEEPS {

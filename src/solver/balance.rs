@@ -7,6 +7,7 @@
 use super::System;
 use crate::mesh::PatchMesh;
 use crate::transport::Transport;
+use crate::watch::Cancelled;
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 use std::collections::BTreeMap;
@@ -39,18 +40,27 @@ impl Aggregates {
     ///
     /// What sees mostly each other holds almost the same error: the inside of a lamp's housing comes
     /// together before it joins the room outside.
-    pub(super) fn new(mesh: &PatchMesh, transport: &dyn Transport) -> Self {
+    ///
+    /// Fails where it was `cancelled`.
+    pub(super) fn new(
+        mesh: &PatchMesh,
+        transport: &dyn Transport,
+        cancelled: &(dyn Fn() -> bool + Sync),
+    ) -> Result<Self, Cancelled> {
         let parts = Self::parts(mesh);
-        let mut graph = Exchange::between(&parts, transport);
+        let mut graph = Exchange::between(&parts, transport, cancelled)?;
         let mut part_in: Vec<u32> = (0..parts.count as u32).collect();
         let most = (mesh.patches.len() / 6).clamp(AGGREGATES[0], AGGREGATES[1]);
         while graph.areas.len() > most {
+            if cancelled() {
+                return Err(Cancelled);
+            }
             let Some(joined) = graph.join(most) else { break };
             part_in.iter_mut().for_each(|a| *a = joined.of_patch[*a as usize]);
             graph = graph.coarser(&joined);
         }
         let of_patch = parts.of_patch.iter().map(|&part| part_in[part as usize]).collect();
-        Self { of_patch, count: graph.areas.len() }
+        Ok(Self { of_patch, count: graph.areas.len() })
     }
 
     /// Single patches where they are few, else blocks of connected sides, larger sides in more of them, since one floor may run through several
@@ -127,7 +137,11 @@ struct Exchange {
 }
 
 impl Exchange {
-    fn between(parts: &Aggregates, transport: &dyn Transport) -> Self {
+    fn between(
+        parts: &Aggregates,
+        transport: &dyn Transport,
+        cancelled: &(dyn Fn() -> bool + Sync),
+    ) -> Result<Self, Cancelled> {
         let mut members: Vec<Vec<usize>> = vec![Vec::new(); parts.count];
         for (i, &part) in parts.of_patch.iter().enumerate() {
             members[part as usize].push(i);
@@ -139,13 +153,16 @@ impl Exchange {
             .map_init(
                 || vec![0.0; parts.count],
                 |sums, (own, members)| {
+                    if cancelled() {
+                        return Err(Cancelled);
+                    }
                     members.iter().for_each(|&i| add_row(i, sums));
-                    Self::take_row(sums, own)
+                    Ok(Self::take_row(sums, own))
                 },
             )
-            .collect();
+            .collect::<Result<_, _>>()?;
         let areas = members.iter().map(|m| m.iter().map(|&i| transport.area(i)).sum()).collect();
-        Self { rows, areas }
+        Ok(Self { rows, areas })
     }
 
     /// Moves what a row summed up to out of `sums`, which is left empty.
@@ -249,7 +266,13 @@ pub(super) struct PowerBalance {
 }
 
 impl PowerBalance {
-    pub(super) fn new(transport: &dyn Transport, system: &System, aggregates: &Aggregates) -> Self {
+    /// Fails where it was `cancelled`.
+    pub(super) fn new(
+        transport: &dyn Transport,
+        system: &System,
+        aggregates: &Aggregates,
+        cancelled: &(dyn Fn() -> bool + Sync),
+    ) -> Result<Self, Cancelled> {
         const CHUNKS: usize = 8;
         let (n, k) = (system.patches(), aggregates.count);
         let size = n.div_ceil(CHUNKS).max(1);
@@ -261,6 +284,9 @@ impl PowerBalance {
                 let mut sums = vec![vec![0.0; k * k]; system.bands];
                 let mut seen = vec![0.0; k];
                 for i in chunk * size..((chunk + 1) * size).min(n) {
+                    if cancelled() {
+                        return Err(Cancelled);
+                    }
                     seen.fill(0.0);
                     // What sees nothing keeps B = E, and must not soak up the correction.
                     if !transport.sees(i) {
@@ -278,9 +304,9 @@ impl PowerBalance {
                         row[own] += system.areas[i];
                     }
                 }
-                sums
+                Ok(sums)
             })
-            .collect();
+            .collect::<Result<_, _>>()?;
         let factors = (0..system.bands)
             .into_par_iter()
             .map(|band| {
@@ -296,10 +322,10 @@ impl PowerBalance {
                         matrix[own * k + own] = 1.0;
                     }
                 }
-                Lu::new(matrix, k)
+                Lu::new(matrix, k, cancelled)
             })
-            .collect();
-        Self { factors }
+            .collect::<Result<_, _>>()?;
+        Ok(Self { factors })
     }
 
     /// Turns the aggregated residual power of one column, W, into the correction of each aggregate.
@@ -318,9 +344,12 @@ struct Lu {
 
 impl Lu {
     /// The matrix is diagonally dominant and has no empty row: no pivot vanishes.
-    fn new(mut a: Vec<f64>, n: usize) -> Self {
+    fn new(mut a: Vec<f64>, n: usize, cancelled: &dyn Fn() -> bool) -> Result<Self, Cancelled> {
         let mut pivots = Vec::with_capacity(n);
         for c in 0..n {
+            if cancelled() {
+                return Err(Cancelled);
+            }
             let pivot =
                 (c..n).max_by(|&x, &y| a[x * n + c].abs().total_cmp(&a[y * n + c].abs())).unwrap_or(c);
             pivots.push(pivot);
@@ -344,7 +373,7 @@ impl Lu {
                 }
             }
         }
-        Self { size: n, values: a, pivots }
+        Ok(Self { size: n, values: a, pivots })
     }
 
     fn solve(&self, b: &mut [f64]) {
@@ -371,7 +400,7 @@ mod tests {
     fn lu_solves_a_system_that_needs_pivoting() {
         // [[0, 2], [3, 1]] x = (4, 5) has x = (1, 2).
         let mut b = [4.0, 5.0];
-        Lu::new(vec![0.0, 2.0, 3.0, 1.0], 2).solve(&mut b);
+        Lu::new(vec![0.0, 2.0, 3.0, 1.0], 2, &|| false).expect("whole").solve(&mut b);
         assert!((b[0] - 1.0).abs() < 1e-15 && (b[1] - 2.0).abs() < 1e-15);
     }
 }

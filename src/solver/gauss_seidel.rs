@@ -2,6 +2,7 @@ use super::balance::{Aggregates, PowerBalance};
 use super::{LightBases, SweepReport, System};
 use crate::mesh::PatchMesh;
 use crate::transport::{Cancelled, LANES, Lanes, Transport};
+use crate::watch;
 use rayon::prelude::*;
 
 /// How often a sweep reads the rows for so many columns.
@@ -52,6 +53,23 @@ impl GaussSeidel {
         system: &System,
         start: Option<&LightBases>,
     ) -> Self {
+        match Self::new_unless(mesh, transport, system, start, &|| false) {
+            Ok(solver) => solver,
+            Err(watch::Cancelled) => unreachable!("nobody ends it"),
+        }
+    }
+
+    /// As [`Self::new`]; asks every few milliseconds whether to end.
+    ///
+    /// # Errors
+    /// It was `cancelled`.
+    pub fn new_unless(
+        mesh: &PatchMesh,
+        transport: &dyn Transport,
+        system: &System,
+        start: Option<&LightBases>,
+        cancelled: &(dyn Fn() -> bool + Sync),
+    ) -> Result<Self, watch::Cancelled> {
         let n = system.patches();
         let start = start.filter(|s| s.patches == n && s.lamps == system.lamps && s.bands == system.bands);
         let columns: Vec<usize> = (0..system.columns()).collect();
@@ -79,8 +97,8 @@ impl GaussSeidel {
                 }
             })
             .collect();
-        let aggregates = Aggregates::new(mesh, transport);
-        let balance = PowerBalance::new(transport, system, &aggregates);
+        let aggregates = Aggregates::new(mesh, transport, cancelled)?;
+        let balance = PowerBalance::new(transport, system, &aggregates, cancelled)?;
         let row_sums: Vec<f64> = (0..n).into_par_iter().map(|i| transport.row_sum(i)).collect();
         let spectral_bound = (0..n)
             .map(|i| row_sums[i] * system.reflectance[i][..system.bands].iter().copied().fold(0.0, f64::max))
@@ -94,8 +112,8 @@ impl GaussSeidel {
             spectral_bound,
             started: std::time::Instant::now(),
         };
-        solver.groups.par_iter_mut().for_each(|group| group.measure(transport, system, &|| false));
-        solver
+        solver.groups.par_iter_mut().for_each(|group| group.measure(transport, system, cancelled));
+        if cancelled() { Err(watch::Cancelled) } else { Ok(solver) }
     }
 
     /// One correction and one sweep; polls `cancelled` every few rows. `None` if cancelled, with the

@@ -3,6 +3,7 @@
 use super::culling::Culling;
 use crate::geometry::Frame;
 use crate::mesh::{Backing, NO_PATCH, PatchMesh, Side};
+use crate::watch::Cancelled;
 use glam::DVec3;
 use std::f64::consts::TAU;
 
@@ -93,9 +94,15 @@ pub(crate) struct CellPiece {
 
 impl Occluders {
     /// Reads the regions of a mesh.
-    pub fn new(mesh: &PatchMesh) -> Self {
+    ///
+    /// # Errors
+    /// It was `cancelled`.
+    pub fn new(mesh: &PatchMesh, cancelled: &dyn Fn() -> bool) -> Result<Self, Cancelled> {
         let mut all = Self { size: mesh.size, patches: mesh.patches.len(), ..Self::default() };
         for region in &mesh.regions {
+            if cancelled() {
+                return Err(Cancelled);
+            }
             let u_axis = region.frame.tangent / region.cell_size.x;
             let v_axis = region.frame.bitangent / region.cell_size.y;
             let origin = region.origin
@@ -179,7 +186,7 @@ impl Occluders {
         }
         let boxes: Vec<(DVec3, DVec3)> = all.regions.iter().map(|r| (r.middle, r.half)).collect();
         all.culling = Culling::new(&boxes, &mesh.blockers);
-        all
+        Ok(all)
     }
 
     /// Patches in the mesh that this was read from: the length of a dense row.

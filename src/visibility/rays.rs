@@ -2,6 +2,7 @@
 
 use crate::geometry::{Bvh, Frame, Ray};
 use crate::mesh::{NO_PATCH, PatchMesh, cosine_direction};
+use crate::watch::Cancelled;
 use glam::DVec3;
 use rayon::prelude::*;
 
@@ -24,10 +25,13 @@ pub struct RayScene {
 
 impl RayScene {
     /// Triangulates the pieces of a mesh.
-    pub fn new(mesh: &PatchMesh) -> Self {
+    ///
+    /// # Errors
+    /// It was `cancelled`.
+    pub fn new(mesh: &PatchMesh, cancelled: &(dyn Fn() -> bool + Sync)) -> Result<Self, Cancelled> {
         let (triangles, pieces) = mesh.triangles();
         let mut scene = Self {
-            bvh: Bvh::build(&triangles),
+            bvh: Bvh::build_unless(&triangles, cancelled)?,
             patches: pieces.iter().map(|&p| mesh.pieces[p as usize].patches).collect(),
             dark: pieces
                 .iter()
@@ -41,8 +45,8 @@ impl RayScene {
             offset: 1e-7 * mesh.size,
             sealed: false,
         };
-        scene.sealed = scene.looks_sealed(mesh);
-        scene
+        scene.sealed = scene.looks_sealed(mesh, cancelled);
+        if cancelled() { Err(Cancelled) } else { Ok(scene) }
     }
 
     /// The patch that a ray from `point` meets first; `None` where it escapes or meets a dark side.
@@ -67,14 +71,16 @@ impl RayScene {
         self.sealed
     }
 
-    fn looks_sealed(&self, mesh: &PatchMesh) -> bool {
+    fn looks_sealed(&self, mesh: &PatchMesh, cancelled: &(dyn Fn() -> bool + Sync)) -> bool {
         const RAYS: u32 = 8;
         const PATCHES: usize = 4096;
         let step = mesh.patches.len().div_ceil(PATCHES).max(1);
         mesh.patches.par_iter().enumerate().step_by(step).filter(|(_, p)| !p.buried).all(|(i, p)| {
             let frame = Frame::around(p.normal);
             let turn = (i as f64 * 0.618_033_988_749_894_9).fract();
-            (0..RAYS).all(|k| self.seen(p.centre, frame.world(cosine_direction(k, RAYS, turn))).is_some())
+            !cancelled()
+                && (0..RAYS)
+                    .all(|k| self.seen(p.centre, frame.world(cosine_direction(k, RAYS, turn))).is_some())
                 && !self.opens_sideways(p.centre, &frame)
         })
     }

@@ -1,6 +1,7 @@
 //! What any scene obeys.
 
 use crate::common::{Assembled, Model, assembled, settings};
+use lumenwalk::effects::Effect;
 use lumenwalk::form_factors::Method;
 use lumenwalk::mesh::PatchTarget;
 use lumenwalk::scene::Scene;
@@ -72,6 +73,14 @@ fn form_factors_hold(name: &str, made: &Assembled, kind: Kind) {
             unseeing += p.area;
         } else if kind == Kind::Closed {
             assert!((sum - 1.0).abs() < 1e-6, "{}: the row sums to {sum}", place());
+            // Before it was balanced, nothing was lost; closed forms alone count both of two faces in one place.
+            let sampled = f64::from(f.quality(i).sampled_sum);
+            let counted_twice = if made.prepared.plan.is_on(Effect::Visibility) { 0.0 } else { 0.3 };
+            assert!(
+                (1.0 - 1e-4..1.0 + 1e-4 + counted_twice).contains(&sampled),
+                "{}: the row as sampled sums to {sampled}",
+                place()
+            );
         }
     }
     let told = made.transport.report();
