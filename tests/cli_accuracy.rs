@@ -38,6 +38,23 @@ fn an_error_is_reached_and_the_report_holds_the_budget() {
 }
 
 #[test]
+fn an_error_asked_for_with_points_alone_is_that_of_the_points() {
+    let place = Workplace::with_room(0.5);
+    place.put("p.csv", "300,0,400,0,1,0\n0,900,1000,1,0,0\n1000,0,1000,0,1,0\n");
+    let points = ["solve", "room.obj", "--points", "p.csv", "--irradiance", "o.csv"];
+    let told = place.succeed(&[&points[..], &["--error", "2%", "--report", "p.json"]].concat());
+    assert!(told.contains("(RMS) at the 3 points, as asked for"), "{told}");
+    place.succeed(&["solve", "room.obj", "--error", "2%", "--report", "all.json"]);
+    let patches = |name: &str| report(&place, name)["mesh"]["patches"].as_u64().unwrap();
+    assert!(patches("p.json") < patches("all.json"), "points are gathered anew, and need fewer patches");
+    assert!(report(&place, "p.json")["points"]["median_error_percent"].as_f64().unwrap() < 2.0);
+    // With a picture the picture counts.
+    let picture = ["--image", "p.png", "--size", "64x40", "--error", "20%"];
+    let told = place.succeed(&[&points[..], &picture].concat());
+    assert!(told.contains("as asked for") && !told.contains("at the 3 points,"), "{told}");
+}
+
+#[test]
 fn a_goal_out_of_reach_is_told_with_how_far_it_got() {
     let place = Workplace::with_room(0.5);
     let told = place.succeed(&["solve", "room.obj", "--budget", "10ms", "--report", "r.json"]);

@@ -544,8 +544,8 @@ fn an_error_of_one_percent_is_true_and_costs_at_most_twice_the_cheapest() {
         let goal = study::Goal::Error(0.01);
         let observer = &mut |_: study::News<'_>| lumenwalk::solve::Control::Continue;
         let effects = lumenwalk::effects::EffectChoices::default();
-        let reached =
-            study::reach(&scene, &lighting, goal, &effects, started, 8.0, observer).expect("solved");
+        let task = study::Task { scene: &scene, lighting: &lighting, goal, effects: &effects, places: &[] };
+        let reached = study::reach(&task, started, 8.0, observer).expect("solved");
         let budget = reached.solved.budget.expect("light");
         let solves: f64 = reached.attempts.iter().map(|a| a.seconds).sum();
         for a in &reached.attempts {

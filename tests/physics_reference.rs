@@ -53,7 +53,9 @@ fn an_error_of_one_percent_asked_for_is_one_against_the_path_tracer() {
     let lighting = scene.lighting();
     let mut go_on = |_: study::News<'_>| Control::Continue;
     let (goal, started) = (study::Goal::Error(0.01), std::time::Instant::now());
-    let reached = study::reach(&scene, &lighting, goal, &EffectChoices::default(), started, 4.0, &mut go_on);
+    let effects = EffectChoices::default();
+    let task = study::Task { scene: &scene, lighting: &lighting, goal, effects: &effects, places: &[] };
+    let reached = study::reach(&task, started, 4.0, &mut go_on);
     let reached = reached.expect("solved");
     assert!(reached.verdict.met(), "{}", reached.verdict);
     let (mesh, light) = (&reached.solved.mesh, reached.solved.light(&lighting));

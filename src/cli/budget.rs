@@ -2,14 +2,12 @@ use super::failure::Failure;
 use super::progress::ProgressLine;
 use super::text;
 use crate::accuracy::{AuditSettings, ErrorBudget, Estimate, LEVELS, Ranged};
-use crate::effects::EffectChoices;
 use crate::export::{
     AccuracyReport, AreaReport, AttemptReport, DominantReport, ErrorReport, GoalReport, RangeReport,
 };
 use crate::scene::{LUMINOUS_EFFICACY, Lighting, Scene};
 use crate::solve::{Control, Solution, Timings};
-use crate::study::{self, Goal, News, Reached};
-use std::sync::Arc;
+use crate::study::{self, Goal, News, Reached, Task};
 use std::time::Instant;
 
 /// Audits a finished solve; `None` where no light arrives.
@@ -18,13 +16,7 @@ pub(super) fn audit(solved: &Solution, lighting: &Lighting) -> Option<ErrorBudge
 }
 
 /// Solves to a goal with progress on standard error.
-pub(super) fn reach(
-    scene: &Arc<Scene>,
-    lighting: &Lighting,
-    goal: Goal,
-    effects: &EffectChoices,
-    started: Instant,
-) -> Result<Reached, Failure> {
+pub(super) fn reach(task: &Task<'_>, started: Instant) -> Result<Reached, Failure> {
     let mut line = ProgressLine::new();
     let observe = &mut |news: News<'_>| {
         match news {
@@ -33,7 +25,7 @@ pub(super) fn reach(
         }
         Control::Continue
     };
-    Ok(study::reach(scene, lighting, goal, effects, started, study::memory(), observe)?)
+    Ok(study::reach(task, started, study::memory(), observe)?)
 }
 
 /// The budget in a few lines.

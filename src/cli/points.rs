@@ -33,7 +33,7 @@ pub(super) fn gather(
 }
 
 /// Positions, brought to those of the scene by `in_scene`, with their normals.
-fn places(points: &[SurfacePoint], in_scene: impl Fn(DVec3) -> DVec3) -> Vec<(DVec3, DVec3)> {
+pub(super) fn places(points: &[SurfacePoint], in_scene: impl Fn(DVec3) -> DVec3) -> Vec<(DVec3, DVec3)> {
     points.iter().map(|point| (in_scene(point.position), point.normal)).collect()
 }
 
@@ -88,7 +88,7 @@ mod tests {
 
     #[test]
     fn the_worst_point_is_named_as_its_line_counts() {
-        let errors = PointErrors { points: 12, median: 0.003, largest: 0.011, worst: 6 };
+        let errors = PointErrors { points: 12, median: 0.003, rms: 0.005, largest: 0.011, worst: 6 };
         let result = PointResult { irradiance: [1.0; 3], lux_error: 0.5 };
         let gathered = Gathered { results: vec![result; 12], errors: Some(errors) };
         let told = "illuminance at 12 points: estimated error median 0.300 %, largest 1.10 % (point 7)\n";

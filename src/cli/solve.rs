@@ -16,7 +16,7 @@ use crate::outputs::{LitScene, StillKind, in_detail, save_patch_table};
 use crate::scene::{self, Lighting, Scene, Severity, View};
 use crate::solve::{self, Control, Progress, Solution, SolveSettings};
 use crate::solver::PatchLight;
-use crate::study::Goal;
+use crate::study::{Goal, Task};
 use clap::{ArgGroup, Args};
 use glam::DVec3;
 use std::path::{Path, PathBuf};
@@ -109,6 +109,12 @@ impl Arguments {
         self.error.map(Goal::Error).or(self.budget.map(Goal::Seconds))
     }
 
+    /// Whether points are all that is to be known of the light.
+    fn wants_points_alone(&self) -> bool {
+        let rest = [&self.image, &self.tour, &self.patch_table, &self.mesh];
+        self.points.is_some() && rest.iter().all(|output| output.is_none())
+    }
+
     fn outputs(&self) -> impl Iterator<Item = &Path> {
         let all = [&self.image, &self.patch_table, &self.mesh, &self.irradiance, &self.report];
         all.into_iter().filter_map(|output| output.as_deref())
@@ -190,8 +196,12 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
     // Without a lamp there is no light that could be right or wrong.
     let is_unlit = scene.luminaires.is_empty();
     let goal = arguments.goal().filter(|_| !is_unlit);
-    let reached =
-        goal.map(|goal| budget::reach(&scene, &lighting, goal, &settings.effects, start)).transpose()?;
+    // Without pictures or tables it is the points whose error counts.
+    let places = points.as_ref().filter(|_| arguments.wants_points_alone());
+    let places = places.map_or_else(Vec::new, |all| points::places(all, |place| scene.in_scene(place)));
+    let (lit, effects) = (&lighting, &settings.effects);
+    let task = |goal| Task { scene: &scene, lighting: lit, goal, effects, places: &places };
+    let reached = goal.map(|goal| budget::reach(&task(goal), start)).transpose()?;
     let (solved, light) = match &reached {
         Some(reached) => (reached.solved.clone(), reached.solved.light(&lighting)),
         None => solve(scene, &settings, &lighting)?,

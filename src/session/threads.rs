@@ -23,7 +23,10 @@ pub(super) fn stand_back() {
     // On Linux a thread has a rank of its own, under its own number. Where lowering it is refused,
     // the solve goes on as before.
     let thread = rustix::thread::gettid();
-    let _ = rustix::process::setpriority_process(Some(thread), STEPS);
+    // A process that stands further back already is not brought forward.
+    if rustix::process::getpriority_process(Some(thread)).is_ok_and(|steps| steps < STEPS) {
+        let _ = rustix::process::setpriority_process(Some(thread), STEPS);
+    }
 }
 
 /// Elsewhere the threads keep the rank that they have.

@@ -4,21 +4,23 @@
 use super::audited::audit;
 use super::cost::{CostModel, Limits, Measured};
 use super::goal_run::{GoalRun, Obstacle, Step, Verdict};
+use super::points::{PointErrors, points};
 use super::refine::refined;
 use super::trial::pace;
 use super::until::{Known, Outcome, solve_until};
-use crate::accuracy::ErrorBudget;
+use crate::accuracy::{ErrorBudget, Estimate};
 use crate::effects::EffectChoices;
 use crate::mesh::{PatchMesh, Refinement};
 use crate::scene::{Lighting, Scene};
 use crate::solve::{Control, PipelineError, Progress, Solution, available_bytes, effect_costs};
+use glam::DVec3;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 /// What a solve is to reach.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Goal {
-    /// An error of irradiance as shown, relative to its mean; above zero.
+    /// An error of irradiance as shown, relative to its mean, or at points; above zero.
     Error(f64),
     /// Seconds of work in all; above zero.
     Seconds(f64),
@@ -58,6 +60,21 @@ pub struct Reached {
     pub seconds: f64,
 }
 
+/// What is to be reached, and where.
+#[derive(Clone, Copy, Debug)]
+pub struct Task<'a> {
+    /// What is solved.
+    pub scene: &'a Arc<Scene>,
+    /// The lamps whose light is judged.
+    pub lighting: &'a Lighting,
+    /// How far to go.
+    pub goal: Goal,
+    /// Effects forced on or off.
+    pub effects: &'a EffectChoices,
+    /// Where an error counts: points in metres with unit normals; all over the picture where there are none.
+    pub places: &'a [(DVec3, DVec3)],
+}
+
 /// What an observer of a search is told.
 pub enum News<'a> {
     /// A solve goes on.
@@ -88,14 +105,12 @@ pub fn memory() -> f64 {
 /// # Errors
 /// As the pipeline; not where a time runs out: the picture so far is the answer then.
 pub fn reach(
-    scene: &Arc<Scene>,
-    lighting: &Lighting,
-    goal: Goal,
-    effects: &EffectChoices,
+    task: &Task<'_>,
     started: Instant,
     memory: f64,
     observer: &mut dyn FnMut(News<'_>) -> Control,
 ) -> Result<Reached, PipelineError> {
+    let &Task { scene, lighting, goal, effects, places } = task;
     let deadline = match goal {
         Goal::Seconds(seconds) => Some(started + Duration::from_secs_f64(seconds.min(1e7))),
         Goal::Error(_) => None,
@@ -104,6 +119,7 @@ pub fn reach(
     let mut model = CostModel::default();
     let limits = Limits { fewest: 1.0, most: MOST_PATCHES, gigabytes: memory };
     let mut run = GoalRun::new(goal, effects.clone(), limits);
+    run.count_at(places.len());
     let mut best: Option<Solution> = None;
     let mut complete = true;
     let mut refinement: Option<Arc<Refinement>> = None;
@@ -141,7 +157,8 @@ pub fn reach(
             return Err(PipelineError::Cancelled);
         }
         let found = audit(&solved, lighting, &run.audit_settings(seconds, elapsed()), &|| false);
-        let budget = found.as_ref().map(|found| found.budget);
+        solved.budget = found.as_ref().map(|found| found.budget);
+        let budget = solved.budget.map(|budget| counted(budget, &solved, task));
         if let Some(found) = found {
             refinement = Some(Arc::new(refined(&solved.mesh, &found.map, refinement.as_deref())));
             run.refine(refinement.clone());
@@ -154,7 +171,6 @@ pub fn reach(
         if run.attempts().is_empty() {
             run.set_fewest(fewest(&solved.mesh, run.next().patches));
         }
-        solved.budget = budget;
         if run.note(patches, seconds, budget) {
             best = Some(solved);
         }
@@ -170,6 +186,25 @@ pub fn reach(
     }
     let attempts = run.attempts().to_vec();
     Ok(Reached { solved: Arc::new(solved), complete, verdict, attempts, model, seconds })
+}
+
+/// The budget of a solve as it counts for the task. At points its parts are scaled to what the points' errors
+/// come to, so that further ones are predicted by the same laws.
+fn counted(budget: ErrorBudget, solved: &Solution, task: &Task<'_>) -> ErrorBudget {
+    if task.places.is_empty() {
+        return budget;
+    }
+    let light = solved.light(task.lighting);
+    let there = points(solved, task.lighting, &light, task.places);
+    let Some(error) = PointErrors::of(&there).map(|errors| errors.rms) else { return budget };
+    let share = error / budget.total.error.max(f64::MIN_POSITIVE);
+    let scaled = |e: Estimate| Estimate { error: share * e.error, low: share * e.low, high: share * e.high };
+    ErrorBudget {
+        form_factors: scaled(budget.form_factors),
+        mesh: scaled(budget.mesh),
+        total: Estimate { error, low: error, high: error },
+        ..budget
+    }
 }
 
 /// The fewest patches that any mesh of a scene has, as this one tells, for which `asked` were asked for.

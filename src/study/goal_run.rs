@@ -86,7 +86,9 @@ impl fmt::Display for Obstacle {
 pub struct Verdict {
     /// What was asked for.
     pub goal: Goal,
-    /// What the audit of the best solve found; `None` where there was no light or no time.
+    /// Points where errors count; none for the picture.
+    pub places: usize,
+    /// What the audit of the best solve found, at the points where there are some; `None` where there was no light or no time.
     pub budget: Option<ErrorBudget>,
     /// The error predicted of the last solve.
     pub predicted_error: Option<f64>,
@@ -117,7 +119,11 @@ impl fmt::Display for Verdict {
         }
         let estimate = self.budget.map(|found| {
             let [error, low, high] = [found.total.error, found.total.low, found.total.high].map(percent);
-            format!("error {error} ({low} to {high})")
+            match self.places {
+                0 => format!("error {error} ({low} to {high})"),
+                1 => format!("error {error} at the point"),
+                n => format!("error {error} (RMS) at the {n} points"),
+            }
         });
         match (self.goal, &self.budget) {
             (Goal::Error(asked), Some(found)) if found.total.error <= asked => {
@@ -166,6 +172,8 @@ pub struct GoalRun {
     /// Seconds and error predicted of the solve that was begun last.
     predicted: [Option<f64>; 2],
     attempts: Vec<Attempt>,
+    /// Points where errors count; none for the picture.
+    places: usize,
     /// Of the best light so far what its audit found.
     best: Option<Option<ErrorBudget>>,
     obstacle: Option<Obstacle>,
@@ -183,9 +191,15 @@ impl GoalRun {
             share: 1.0,
             predicted: [None; 2],
             attempts: Vec::new(),
+            places: 0,
             best: None,
             obstacle: None,
         }
+    }
+
+    /// Errors count at so many points, and not over the picture; none stands for the picture.
+    pub fn count_at(&mut self, places: usize) {
+        self.places = places;
     }
 
     /// What it goes to.
@@ -355,6 +369,7 @@ impl GoalRun {
     pub fn verdict(&self, model: &CostModel, seconds: f64) -> Verdict {
         Verdict {
             goal: self.goal,
+            places: self.places,
             budget: self.best.flatten(),
             // Said only of a solve without a budget, and that is the last one.
             predicted_error: model.measured().last().and_then(|m| model.error(m.fineness)),

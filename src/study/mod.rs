@@ -18,7 +18,7 @@ mod until;
 pub use audited::{audit, shown};
 pub use chart::chart;
 pub use cost::{CostModel, Fineness, Limits, Measured};
-pub use goal::{Attempt, Goal, MOST_PATCHES, News, Reached, fewest, memory, reach};
+pub use goal::{Attempt, Goal, MOST_PATCHES, News, Reached, Task, fewest, memory, reach};
 pub use goal_run::{GoalRun, MOST_SOLVES, Obstacle, Step, Verdict};
 pub use points::{PointErrors, points};
 pub use refine::refined;

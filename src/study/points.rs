@@ -46,6 +46,8 @@ pub struct PointErrors {
     /// Median of the estimated errors, each over the irradiance at its point (a tenth of the mean over
     /// all points at least): 0.01 is 1 %.
     pub median: f64,
+    /// The root of their mean square.
+    pub rms: f64,
     /// The largest of them.
     pub largest: f64,
     /// Where it is: an index into the list.
@@ -66,7 +68,9 @@ impl PointErrors {
         let mut sorted = relative.clone();
         sorted.sort_by(f64::total_cmp);
         let median = 0.5 * (sorted[(sorted.len() - 1) / 2] + sorted[sorted.len() / 2]);
-        Some(Self { points: points.len(), median, largest, worst })
+        let squares: f64 = relative.iter().map(|e| e * e).sum();
+        let rms = (squares / relative.len() as f64).sqrt();
+        Some(Self { points: points.len(), median, rms, largest, worst })
     }
 }
 
@@ -83,6 +87,7 @@ mod tests {
         let found = PointErrors::of(&[point(10.0, 0.1), point(10.0, 0.3), point(0.0, 0.001)]).unwrap();
         assert_eq!((found.points, found.worst), (3, 1));
         assert!((found.median - 0.01).abs() < 1e-12 && (found.largest - 0.03).abs() < 1e-12, "{found:?}");
+        assert!((found.rms - (1.002_25e-3_f64 / 3.0).sqrt()).abs() < 1e-9, "{found:?}");
         assert_eq!(PointErrors::of(&[]), None);
         assert_eq!(PointErrors::of(&[point(0.0, 0.0)]), None);
     }

@@ -53,7 +53,8 @@ impl Auditor {
         if is_best {
             way.best = Some(now.clone());
         }
-        if way.run.step(&self.model, Some(budget), elapsed) == Step::Solve {
+        let step = way.run.step(&self.model, Some(budget), elapsed);
+        if step == Step::Solve {
             let settings = way.run.begin(&self.model);
             if settings != *now {
                 way.asked = Some(settings.clone());
@@ -62,7 +63,11 @@ impl Auditor {
         }
         // What is on screen stays, or the best light comes back.
         let back = way.best.take().filter(|_| !is_best);
-        let words = words(&way.run.verdict(&self.model, elapsed));
+        let verdict = way.run.verdict(&self.model, elapsed);
+        let words = match step {
+            Step::Solve => "This is the best choice already".to_owned(),
+            Step::End => words(&verdict, way.run.attempts().len()),
+        };
         self.end(words);
         back
     }
@@ -88,8 +93,8 @@ impl Auditor {
     }
 }
 
-/// How the way to a goal ended, for a narrow panel.
-fn words(verdict: &Verdict) -> String {
+/// How the way to a goal ended after so many solves, for a narrow panel.
+fn words(verdict: &Verdict, solves: usize) -> String {
     let error = verdict.budget.map_or("unknown".to_owned(), |b| format!("{:.2} %", 100.0 * b.total.error));
     match (verdict.goal, &verdict.obstacle) {
         (Goal::Error(_), _) if verdict.met() => format!("Reached: {error}"),
@@ -98,6 +103,9 @@ fn words(verdict: &Verdict) -> String {
         }
         (Goal::Error(_), Some(obstacle)) => format!("Not reached: {obstacle}"),
         (Goal::Error(_), None) => format!("Not reached in {MOST_SOLVES} solves; it may be in more"),
+        (Goal::Seconds(asked), _) if solves == 0 => {
+            format!("{error} already; nothing better fits into {asked:.1} s")
+        }
         (Goal::Seconds(asked), _) => {
             let over = verdict.seconds - asked;
             let over = if over > 0.0 { format!(", {over:.1} s too many") } else { String::new() };
