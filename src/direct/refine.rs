@@ -13,8 +13,8 @@ use std::sync::Arc;
 /// How finely direct light is divided.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ElementSettings {
-    /// Division ends once direct light is expected to be off by this part of the light there (of a mean at least),
-    /// RMS over the area; above zero.
+    /// Division ends once direct light is expected to be off by this part of the light there (half the mean is added
+    /// to that), RMS over the area; above zero.
     pub error: f64,
     /// There are no more elements than this, besides the triangles of the mesh.
     pub most: usize,
@@ -27,8 +27,10 @@ pub struct ElementSettings {
 /// A corner beside which something may stand is looked at so far inside of an element, of its size: on a line
 /// between two planes light has two values.
 const INSET: f64 = 1e-3;
-/// A basis counts relative to the light there and to its own mean, but at least to this part of the mean of all.
-const FAINT: f64 = 0.1;
+/// An error counts relative to the light there, and at least to this part of the mean.
+const FAINT: f64 = 0.5;
+/// A difference that shows that a shadow was found.
+const NOTABLE: f64 = 0.02;
 /// Each pass divides the elements that make up so much of the squared error (Dörfler 1996).
 const BULK: f64 = 0.6;
 /// What hides the lamps from an element is looked for anew once it is so small a part of the one that it was looked
@@ -55,9 +57,8 @@ struct Refinement<'a> {
     middles: HashMap<(u32, u32), u32>,
     /// Edges that have an element on one side alone.
     borders: HashSet<(u32, u32)>,
-    /// Mean light of all bases together and what each basis is measured by at least.
+    /// Mean light of all bases together.
     mean: f64,
-    floors: Vec<f64>,
     area: f64,
     /// Nearer than this to a plane nothing is hidden by it, metres.
     inset: f64,
@@ -108,12 +109,11 @@ impl Elements {
             middles: HashMap::new(),
             borders,
             mean: 0.0,
-            floors: Vec::new(),
             area: 0.0,
             inset,
             shortest: SHORTEST * mesh.size,
         };
-        refinement.measure_means();
+        refinement.measure_mean();
         // 2. Those that are worst, pass by pass.
         let mut fresh: Vec<u32> = (0..refinement.elements.elements.len() as u32).collect();
         let mut part = watch.part(0.3, 1.0);
@@ -194,19 +194,17 @@ fn gathered(light: &DirectLight, point: DVec3, normal: DVec3, views: &Views) -> 
 }
 
 impl Refinement<'_> {
-    /// Mean light of each basis and of all.
-    fn measure_means(&mut self) {
-        let mut sums = vec![0.0; self.settings.exitance.len()];
+    /// Mean light of all bases together.
+    fn measure_mean(&mut self) {
+        let mut sum = 0.0;
         for element in self.elements.leaves() {
             let area = self.elements.area(element);
             self.area += area;
             for &(basis, value) in element.corners.iter().flat_map(|&c| self.elements.light_at(c)) {
-                sums[basis as usize] +=
-                    area / 3.0 * f64::from(value) * self.settings.exitance[basis as usize];
+                sum += area / 3.0 * f64::from(value) * self.settings.exitance[basis as usize];
             }
         }
-        self.mean = sums.iter().sum::<f64>() / self.area.max(f64::MIN_POSITIVE);
-        self.floors = sums.iter().map(|sum| (sum / self.area).max(FAINT * self.mean)).collect();
+        self.mean = sum / self.area.max(f64::MIN_POSITIVE);
     }
 
     /// Looks at the middles of the edges of some leaves.
@@ -291,12 +289,9 @@ impl Refinement<'_> {
     /// The light in the middle of an edge less the mean of that at its ends, over the light there; and whether there
     /// is any difference to speak of.
     fn difference(&self, middle: u32, ends: [u32; 2]) -> (f64, bool) {
-        let mut total = self.mean;
-        let mut error = 0.0_f64;
         let mut differences: Light = self.elements.light_at(middle).to_vec();
-        for &(basis, value) in &differences {
-            total += f64::from(value) * self.settings.exitance[basis as usize];
-        }
+        let watts = |basis: u32, value: f32| f64::from(value) * self.settings.exitance[basis as usize];
+        let here: f64 = differences.iter().map(|&(basis, value)| watts(basis, value)).sum();
         for end in ends {
             for &(basis, value) in self.elements.light_at(end) {
                 match differences.binary_search_by_key(&basis, |entry| entry.0) {
@@ -305,13 +300,9 @@ impl Refinement<'_> {
                 }
             }
         }
-        for (basis, difference) in differences {
-            let b = basis as usize;
-            let watts = f64::from(difference).abs() * self.settings.exitance[b];
-            let here = total - self.mean;
-            error += watts / (self.floors[b] + here).max(f64::MIN_POSITIVE);
-        }
-        (error, error > 0.02)
+        let off: f64 = differences.iter().map(|&(basis, difference)| watts(basis, difference).abs()).sum();
+        let error = off / (here + FAINT * self.mean).max(f64::MIN_POSITIVE);
+        (error, error > NOTABLE)
     }
 
     /// The leaves that make up most of the squared error; none once that is small enough.

@@ -25,7 +25,7 @@ pub struct ElementLight {
 /// Division ends once direct light is expected to be off by this share of itself, RMS.
 const ERROR: f64 = 0.005;
 /// Elements at most, besides the triangles of the mesh.
-const MOST: usize = 80_000;
+const MOST: usize = 32_000;
 
 impl ElementLight {
     /// Divides the patches of a scene by its direct light.
