@@ -393,6 +393,23 @@ impl Picture {
         values.iter().copied().zip(patches.map(|p| p.area))
     }
 
+    /// False-colour values of a light at the corners that are drawn; `values` are those of its patches.
+    pub(super) fn corner_scalars_of(
+        &self,
+        light: Option<&PatchLight>,
+        values: &[f32],
+        display: &DisplaySettings,
+    ) -> Vec<f32> {
+        match (&self.prepared, light) {
+            (Some(prepared), Some(light)) if display.quantity == Quantity::Illuminance => {
+                let detail = light.detail.as_deref().map(in_detail);
+                let shading = shading_of(display.shading);
+                patch_illuminance(&prepared.display.detailed_irradiance(&light.irradiance, detail, shading))
+            }
+            _ => self.corner_scalars(values, display),
+        }
+    }
+
     /// False-colour values at the corners that are drawn.
     pub(super) fn corner_scalars(&self, values: &[f32], display: &DisplaySettings) -> Vec<f32> {
         // What belongs to a patch as a whole is not spread between patches.

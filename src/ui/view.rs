@@ -153,7 +153,8 @@ impl App {
     fn upload(&mut self) {
         let display = self.edits.display;
         let Some(prepared) = self.picture.prepared.clone() else { return };
-        if std::mem::take(&mut self.stale.mesh) {
+        // The same mesh in more detail comes without further ado.
+        if std::mem::take(&mut self.stale.mesh) || self.picture.uploaded.is_some() {
             match (self.picture.uploaded.take(), &self.viewport) {
                 (Some(Ok(mesh)), Some(viewport)) => {
                     viewport.upload(|renderer, _, _| renderer.adopt(mesh));
@@ -198,8 +199,11 @@ impl App {
             let areas: Vec<(f32, f64)> =
                 values.iter().flatten().flat_map(|values| self.picture.with_areas(values)).collect();
             self.scale = Some(picture::scale(&display, &areas));
-            let corners = |v: &Option<Vec<f32>>| v.as_ref().map(|v| self.picture.corner_scalars(v, &display));
-            let (now, kept) = (corners(&values[0]), corners(&values[1]));
+            let corners = |k: usize| {
+                let values = values[k].as_ref()?;
+                Some(self.picture.corner_scalars_of(lights[k], values, &display))
+            };
+            let (now, kept) = (corners(0), corners(1));
             let [shown, _] = values;
             if let Some(viewport) = &self.viewport {
                 viewport.upload(|renderer, _, queue| {
