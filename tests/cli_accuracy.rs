@@ -46,7 +46,7 @@ fn an_error_asked_for_with_points_alone_is_that_of_the_points() {
     assert!(told.contains("(RMS) at the 3 points, as asked for"), "{told}");
     place.succeed(&["solve", "room.obj", "--error", "2%", "--report", "all.json"]);
     let patches = |name: &str| report(&place, name)["mesh"]["patches"].as_u64().unwrap();
-    assert!(patches("p.json") < patches("all.json"), "points are gathered anew, and need fewer patches");
+    assert!(patches("p.json") <= patches("all.json"), "points are gathered anew, and need no more patches");
     assert!(report(&place, "p.json")["points"]["median_error_percent"].as_f64().unwrap() < 2.0);
     // With a picture the picture counts.
     let picture = ["--image", "p.png", "--size", "64x40", "--error", "20%"];

@@ -192,6 +192,8 @@ pub struct Audit<'a> {
     witness: Witness<'a>,
     /// Luminance of the irradiance that each patch gathers by its row, W/m².
     by_row: Vec<f64>,
+    /// Where the picture takes direct light from elsewhere, what of it the rows gather from surfaces.
+    passed_on: Option<Vec<f64>>,
     counts: Vec<bool>,
     /// Probability by which each patch is drawn as long as nothing is known; their sum is one.
     chance: Vec<f64>,
@@ -241,10 +243,18 @@ impl<'a> Audit<'a> {
         let rho = mean_of(&|i| answer.reflectance.get(i).map_or(0.0, |&r| lum(r)));
         let closed = mean_of(&|i| answer.transport.row_sum(i));
         let radiosity: Vec<[f64; 3]> = answer.light.radiosity.iter().map(|b| b.map(f64::from)).collect();
+        let gathered = |radiosity: &[[f64; 3]]| -> Vec<f64> {
+            answer.transport.gather_bands(radiosity).into_iter().map(luminance_weighted).collect()
+        };
+        let passed_on = answer.light.detail.as_ref().map(|_| {
+            let sent = |(b, e): (&[f64; 3], &[f32; 3])| std::array::from_fn(|k| b[k] - f64::from(e[k]));
+            gathered(&radiosity.iter().zip(answer.exitance).map(sent).collect::<Vec<_>>())
+        });
         Some(Self {
             answer,
             witness,
-            by_row: answer.transport.gather_bands(&radiosity).into_iter().map(luminance_weighted).collect(),
+            passed_on,
+            by_row: gathered(&radiosity),
             counts,
             chance,
             area,
@@ -473,11 +483,15 @@ impl<'a> Audit<'a> {
             let deviation = 0.5 * (a + b);
             Sample { weight, square: a * b, deviation, reflected: rho * deviation }
         };
+        let sampled = |k: usize| match &self.passed_on {
+            Some(passed_on) => passed_on[i] - (whole[k].constant - whole[k].direct),
+            None => by_row - whole[k].constant,
+        };
         let truth = relative(0.5 * (there[0].shown + there[1].shown));
         Some(Found {
             patch,
-            form_factors: sample([0, 1].map(|k| by_row - whole[k].constant)),
-            mesh: sample([0, 1].map(|k| (shown - by_row) - (there[k].shown - whole[k].constant))),
+            form_factors: sample([0, 1].map(sampled)),
+            mesh: sample([0, 1].map(|k| shown - there[k].shown - sampled(k))),
             total: sample([0, 1].map(|k| shown - there[k].shown)),
             averages: sample([0, 1].map(|k| by_row - whole[k].shown)),
             local: sample([0, 1].map(|k| (shown - there[k].shown) / relative(shown).max(1.0))),

@@ -53,6 +53,8 @@ pub struct Gathered {
     pub constant: f64,
     /// From the radiosity as the picture shows it: E + rho s.
     pub shown: f64,
+    /// What of both comes from the lamps by itself.
+    pub direct: f64,
 }
 
 /// Casts rays against the triangles of a mesh under one lighting.
@@ -349,6 +351,7 @@ impl<'a> Witness<'a> {
                 let direct = exitance * g / density(other, g);
                 found.constant += direct;
                 found.shown += direct;
+                found.direct += direct;
             }
         }
 
@@ -379,6 +382,7 @@ impl<'a> Witness<'a> {
             let direct = self.exitance[lamp as usize] * g / density(lamp, g);
             found.constant += direct;
             found.shown += direct;
+            found.direct += direct;
         }
         found
     }

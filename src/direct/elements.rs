@@ -47,6 +47,9 @@ pub struct Elements {
     ends: Vec<u32>,
     /// Basis and irradiance per unit of its exitance.
     values: Vec<(u32, f32)>,
+    /// For each corner how far its light is to be trusted, 0 to 1: none where an element beside it is still coarse and
+    /// far from linear, so that the mean of the patches shows less of what is wrong.
+    pub trust: Vec<f32>,
     /// What part of the direct light the elements are expected to be off by, RMS over the area.
     pub expected_error: f64,
 }
@@ -196,6 +199,7 @@ impl Elements {
                 new[index] = kept.corners.len() as u32;
                 kept.corners.push(*corner);
                 kept.push_light(self.light_at(index as u32));
+                kept.trust.push(self.trust.get(index).copied().unwrap_or(1.0));
             }
         }
         kept.elements = std::mem::take(&mut self.elements);

@@ -23,6 +23,8 @@ pub struct Views {
     /// Emitter and where its obstacles end in `obstacles`.
     sources: Vec<(u32, u32)>,
     obstacles: Vec<u32>,
+    /// Of a place that light may not reach, which sees sides that it does not reach either.
+    anywhere: bool,
 }
 
 /// Working memory of one thread.
@@ -127,9 +129,10 @@ impl DirectLight {
         (POSSIBLE * sum).min(POSSIBLE * area)
     }
 
-    /// What a convex cell with a unit normal, metres, may see of the emitters.
-    pub fn views(&self, cell: &[DVec3], normal: DVec3, scratch: &mut Scratch) -> Views {
-        let mut views = Views::default();
+    /// What a convex cell with a unit normal, metres, may see of the emitters. A cell of a surface that light reaches
+    /// sees no side that it does not reach: such sides are left out. One that is `anywhere` may.
+    pub fn views(&self, cell: &[DVec3], normal: DVec3, anywhere: bool, scratch: &mut Scratch) -> Views {
+        let mut views = Views { anywhere, ..Views::default() };
         for source in 0..self.emitters.sources.len() as u32 {
             if !self.aim(source, cell, normal, scratch) {
                 continue;
@@ -143,7 +146,7 @@ impl DirectLight {
 
     /// What a part of a cell may see, by what the whole may.
     pub fn narrowed(&self, views: &Views, cell: &[DVec3], normal: DVec3, scratch: &mut Scratch) -> Views {
-        let mut narrowed = Views::default();
+        let mut narrowed = Views { anywhere: views.anywhere, ..Views::default() };
         for (source, obstacles) in views.iter() {
             if obstacles.is_empty() {
                 narrowed.sources.push((source, narrowed.obstacles.len() as u32));
@@ -181,7 +184,9 @@ impl DirectLight {
         let start = views.obstacles.len();
         for &index in &scratch.found {
             let obstacle = self.obstacles.get(index);
-            if emitter.is_part(obstacle.region) || !scratch.shaft.holds(&obstacle, self.thickness) {
+            if emitter.is_part(obstacle.region)
+                || !scratch.shaft.holds(&obstacle, self.thickness, views.anywhere)
+            {
                 continue;
             }
             if scratch.shaft.is_filled_by(&obstacle, self.thickness) {
@@ -204,7 +209,7 @@ impl DirectLight {
         mut add: impl FnMut(u32, f64),
     ) {
         for (source, obstacles) in views.iter() {
-            let value = self.irradiance(source, point, normal, obstacles, scratch);
+            let value = self.irradiance(source, (point, normal), obstacles, views.anywhere, scratch);
             if value > 0.0 {
                 for share in &self.emitters.sources[source as usize].shares {
                     add(share.basis, share.factor * value);
@@ -216,9 +221,9 @@ impl DirectLight {
     fn irradiance(
         &self,
         source: u32,
-        point: DVec3,
-        normal: DVec3,
+        (point, normal): (DVec3, DVec3),
         obstacles: &[u32],
+        anywhere: bool,
         scratch: &mut Scratch,
     ) -> f64 {
         let emitter = &self.emitters.sources[source as usize].emitter;
@@ -246,7 +251,8 @@ impl DirectLight {
                 continue;
             }
             let obstacle = self.obstacles.get(index);
-            if obstacle.is_needless([obstacle.plane.dot(point - obstacle.corners[0]); 2], self.thickness) {
+            let height = obstacle.plane.dot(point - obstacle.corners[0]);
+            if !anywhere && obstacle.is_needless([height; 2], self.thickness) {
                 continue;
             }
             relative.clear();
@@ -300,7 +306,7 @@ impl DirectLight {
     pub fn at(&self, point: DVec3, normal: DVec3, scratch: &mut Scratch, add: impl FnMut(u32, f64)) {
         // A cell of no size: its shaft is the pyramid from the point.
         let cell = [point; 3];
-        let views = self.views(&cell, normal, scratch);
+        let views = self.views(&cell, normal, true, scratch);
         self.gather(point, normal, &views, scratch, add);
     }
 }

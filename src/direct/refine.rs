@@ -31,6 +31,10 @@ const INSET: f64 = 1e-3;
 const FAINT: f64 = 0.5;
 /// A difference that shows that a shadow was found.
 const NOTABLE: f64 = 0.02;
+/// Elements of more than this share of their triangle that are off by more than this part of the light there are not
+/// to be shown.
+const COARSE: f64 = 0.05;
+const WRONG: f64 = 0.08;
 /// Each pass divides the elements that make up so much of the squared error (Dörfler 1996).
 const BULK: f64 = 0.6;
 /// What hides the lamps from an element is looked for anew once it is so small a part of the one that it was looked
@@ -84,7 +88,7 @@ impl Elements {
                 return Arc::default();
             }
             let normal = mesh.patches[root.patch as usize].normal;
-            Arc::new(with_scratch(|scratch| light.views(&elements.positions(root), normal, scratch)))
+            Arc::new(with_scratch(|scratch| light.views(&elements.positions(root), normal, false, scratch)))
         })?;
         let borders = borders(&elements);
         let inset = 3.0 * light.thickness();
@@ -127,6 +131,7 @@ impl Elements {
             }
             fresh = refinement.divide(&marked, mesh);
         }
+        refinement.judge();
         let mut elements = refinement.elements;
         elements.compact();
         Ok(elements)
@@ -303,6 +308,23 @@ impl Refinement<'_> {
         let off: f64 = differences.iter().map(|&(basis, difference)| watts(basis, difference).abs()).sum();
         let error = off / (here + FAINT * self.mean).max(f64::MIN_POSITIVE);
         (error, error > NOTABLE)
+    }
+
+    /// Marks the corners of leaves that are coarse and known to be wrong: there was no room to divide them.
+    fn judge(&mut self) {
+        let mut trust = vec![1.0_f32; self.elements.corners.len()];
+        for root in 0..self.whole as u32 {
+            let coarse = COARSE * self.elements.area(&self.elements.elements[root as usize]);
+            self.elements.leaves_of(root, |leaf| {
+                let element = &self.elements.elements[leaf as usize];
+                let area = self.elements.area(element);
+                let error = (self.errors[leaf as usize] * self.area / area.max(f64::MIN_POSITIVE)).sqrt();
+                if area > coarse && error > WRONG {
+                    element.corners.iter().for_each(|&corner| trust[corner as usize] = 0.0);
+                }
+            });
+        }
+        self.elements.trust = trust;
     }
 
     /// The leaves that make up most of the squared error; none once that is small enough.

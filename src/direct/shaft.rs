@@ -94,7 +94,7 @@ impl Shaft {
     }
 
     /// Whether an obstacle may stand between the two by more than `thickness`, metres.
-    pub(super) fn holds(&self, obstacle: &Obstacle<'_>, thickness: f64) -> bool {
+    pub(super) fn holds(&self, obstacle: &Obstacle<'_>, thickness: f64, anywhere: bool) -> bool {
         let crosses = |points: &[DVec3]| {
             let offset = obstacle.plane.dot(obstacle.corners[0]);
             points
@@ -108,7 +108,7 @@ impl Shaft {
         let [emitter_low, emitter_high] = crosses(&self.emitter);
         let is_beside = low.min(emitter_low) >= -thickness || high.max(emitter_high) <= thickness;
         !is_beside
-            && !obstacle.is_needless([low, high], thickness)
+            && (anywhere || !obstacle.is_needless([low, high], thickness))
             && self
                 .planes
                 .iter()

@@ -414,10 +414,13 @@ impl DisplayMesh {
         let Some(detail) = detail.filter(|detail| self.shows(detail, shading)) else {
             return self.corner_values(irradiance, shading);
         };
+        let trust = self.elements.as_ref().map_or(&[][..], |elements| &elements.trust);
         let mut values = self.spread(detail.interreflected, shading);
-        for (value, source) in values.iter_mut().zip(&self.sources) {
+        let smooth = self.spread(detail.of_patches, shading);
+        for ((value, source), smooth) in values.iter_mut().zip(&self.sources).zip(smooth) {
             let direct = detail.direct[source.element as usize];
-            *value = std::array::from_fn(|b| value[b] + direct[b]);
+            let trust = trust.get(source.element as usize).copied().unwrap_or(1.0);
+            *value = std::array::from_fn(|b| value[b] + trust * direct[b] + (1.0 - trust) * smooth[b]);
         }
         values
     }

@@ -19,10 +19,6 @@ use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
-/// Direct light is laid out on elements before the rows where patches times lamps are no more than this: it is
-/// there at once then. Elsewhere the first picture comes first.
-const PROMPT: usize = 20_000;
-
 /// A changed reflectance, by index into the scene's materials.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct MaterialEdit {
@@ -320,9 +316,6 @@ impl Worker<'_> {
             return Ok(todo);
         }
         if self.state.transport.is_none() {
-            if prepared.mesh.patches.len() * prepared.scene.luminaires.len() <= PROMPT {
-                self.lay_out_elements(&prepared, &system)?;
-            }
             todo.rows = prepared.mesh.patches.len() - self.state.rows.iter().flatten().count();
             let standing = self.state.bases.as_deref().cloned();
             // What a request that leaves the geometry alone has interrupted goes on from there.

@@ -25,7 +25,7 @@ pub struct ElementLight {
 /// Division ends once direct light is expected to be off by this share of itself, RMS.
 const ERROR: f64 = 0.005;
 /// Elements at most, besides the triangles of the mesh.
-const MOST: usize = 32_000;
+const MOST: usize = 24_000;
 
 impl ElementLight {
     /// Divides the patches of a scene by its direct light.
@@ -114,10 +114,10 @@ impl ElementLight {
         let interreflected = light
             .irradiance
             .iter()
-            .zip(of_patches)
+            .zip(&of_patches)
             .map(|(whole, direct)| std::array::from_fn(|band| (whole[band] - direct[band]).max(0.0)))
             .collect();
-        Detail { direct, interreflected, outputs, reflectance: Arc::clone(reflectance) }
+        Detail { direct, interreflected, of_patches, outputs, reflectance: Arc::clone(reflectance) }
     }
 
     /// `light` of these lamps with its detail; patches have these reflectances.

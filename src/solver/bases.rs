@@ -39,6 +39,8 @@ pub struct Detail {
     pub direct: Vec<[f32; 3]>,
     /// A value per patch.
     pub interreflected: Vec<[f32; 3]>,
+    /// What of the light of each patch comes from the lamps by itself.
+    pub of_patches: Vec<[f32; 3]>,
     /// Exitance of each basis of the direct light as the lamps stand, W/m² per band.
     pub outputs: Vec<[f32; 3]>,
     /// Reflectance of each patch per band.
