@@ -56,7 +56,7 @@ fn by_rays(mesh: &PatchMesh, bvh: &Bvh, point: DVec3, normal: DVec3, lamps: usiz
 /// The same by the program: a value per lamp.
 fn exact(light: &DirectLight, point: DVec3, normal: DVec3, lamps: usize, scratch: &mut Scratch) -> Vec<f64> {
     let mut sums = vec![0.0; lamps];
-    light.at(point, normal, scratch, |basis, value| {
+    light.at(point, normal, true, scratch, |basis, value| {
         let basis = light.emitters().bases[basis as usize];
         sums[basis.lamp as usize] += value * basis.weight[1];
     });

@@ -13,6 +13,8 @@ use glam::DVec3;
 pub struct DirectLight {
     emitters: Emitters,
     obstacles: Obstacles,
+    /// Whether they hide anything from surfaces.
+    visibility: bool,
     /// What is nearer to a plane counts as in it, metres.
     thickness: f64,
 }
@@ -79,11 +81,12 @@ impl Views {
 }
 
 impl DirectLight {
-    /// The lamps of a mesh and its surfaces; without `visibility` nothing stands before anything.
+    /// The lamps of a mesh and its surfaces; without `visibility` surfaces see each other whatever stands between.
     pub fn new(mesh: &PatchMesh, visibility: bool) -> Self {
         Self {
             emitters: Emitters::new(mesh),
-            obstacles: if visibility { Obstacles::new(mesh) } else { Obstacles::default() },
+            obstacles: Obstacles::new(mesh),
+            visibility,
             thickness: THICKNESS * mesh.size,
         }
     }
@@ -132,13 +135,26 @@ impl DirectLight {
     /// What a convex cell with a unit normal, metres, may see of the emitters. A cell of a surface that light reaches
     /// sees no side that it does not reach: such sides are left out. One that is `anywhere` may.
     pub fn views(&self, cell: &[DVec3], normal: DVec3, anywhere: bool, scratch: &mut Scratch) -> Views {
+        self.views_past(cell, normal, [anywhere, self.visibility], scratch)
+    }
+
+    fn views_past(
+        &self,
+        cell: &[DVec3],
+        normal: DVec3,
+        [anywhere, visibility]: [bool; 2],
+        scratch: &mut Scratch,
+    ) -> Views {
         let mut views = Views { anywhere, ..Views::default() };
         for source in 0..self.emitters.sources.len() as u32 {
             if !self.aim(source, cell, normal, scratch) {
                 continue;
             }
             let Scratch { shaft, found, .. } = scratch;
-            self.obstacles.select(|bounds| shaft.meets(bounds), found);
+            found.clear();
+            if visibility {
+                self.obstacles.select(|bounds| shaft.meets(bounds), found);
+            }
             self.keep(source, scratch, &mut views);
         }
         views
@@ -302,11 +318,19 @@ impl DirectLight {
         if whole > 0.0 { seen / whole } else { 0.0 }
     }
 
-    /// Irradiance at a free point from everything, as [`Self::gather`] gives it.
-    pub fn at(&self, point: DVec3, normal: DVec3, scratch: &mut Scratch, add: impl FnMut(u32, f64)) {
+    /// Irradiance at a free point from everything, as [`Self::gather`] gives it; where `is_hidden`, of what surfaces
+    /// leave visible.
+    pub fn at(
+        &self,
+        point: DVec3,
+        normal: DVec3,
+        is_hidden: bool,
+        scratch: &mut Scratch,
+        add: impl FnMut(u32, f64),
+    ) {
         // A cell of no size: its shaft is the pyramid from the point.
         let cell = [point; 3];
-        let views = self.views(&cell, normal, true, scratch);
+        let views = self.views_past(&cell, normal, [true, is_hidden], scratch);
         self.gather(point, normal, &views, scratch, add);
     }
 }

@@ -403,7 +403,7 @@ impl RowComputer {
     ) {
         self.computed.fetch_add(1, Ordering::Relaxed);
         let point = self.lifted(point, normal);
-        if self.visibility || self.is_convex && self.lies_outside(point) {
+        if self.is_hidden_from(point) {
             let turn = (0.618_033_989 + share).fract();
             self.gather(point, Frame::around(normal), turn, Purpose::FreePoint, scratch);
         } else {
@@ -419,6 +419,12 @@ impl RowComputer {
     /// Where a free point is gathered: see [`Self::point`].
     pub fn lifted(&self, point: DVec3, normal: DVec3) -> DVec3 {
         point + normal * (1e-5 * self.mesh.size)
+    }
+
+    /// Whether something may be hidden from a free point: everywhere where occlusion is simulated, else outside of a
+    /// convex room.
+    pub fn is_hidden_from(&self, point: DVec3) -> bool {
+        self.visibility || self.is_convex && self.lies_outside(point)
     }
 
     /// Whether a point lies behind a surface of a convex room.

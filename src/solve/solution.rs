@@ -126,7 +126,9 @@ impl Solution {
         let outputs = &light.detail.as_ref()?.outputs;
         let at = |scratch: &mut Scratch, &(point, normal): &(DVec3, DVec3)| {
             let mut sum = [0.0; 3];
-            elements.direct.at(self.computer.lifted(point, normal), normal, scratch, |basis, value| {
+            let point = self.computer.lifted(point, normal);
+            let is_hidden = self.computer.is_hidden_from(point);
+            elements.direct.at(point, normal, is_hidden, scratch, |basis, value| {
                 for (sum, &output) in sum.iter_mut().zip(&outputs[basis as usize]) {
                     *sum += value * f64::from(output);
                 }
