@@ -457,8 +457,8 @@ fn preparing_rows_and_sweeps_ends_when_it_is_asked_to() {
     let sweeps = |cancelled: &(dyn Fn() -> bool + Sync)| {
         GaussSeidel::new_unless(mesh, made.transport.as_ref(), &system, None, cancelled).map(|_| ())
     };
-    let works: [(&str, &dyn Fn(&(dyn Fn() -> bool + Sync)) -> Result<(), Cancelled>); 2] =
-        [("rows", &rows), ("sweeps", &sweeps)];
+    type Work<'a> = &'a dyn Fn(&(dyn Fn() -> bool + Sync)) -> Result<(), Cancelled>;
+    let works: [(&str, Work<'_>); 2] = [("rows", &rows), ("sweeps", &sweeps)];
     for (name, work) in works {
         let looks = AtomicUsize::new(0);
         let count = |end: usize| looks.fetch_add(1, Ordering::Relaxed) >= end;

@@ -51,7 +51,7 @@ const TAIL: f64 = 0.005;
 const WIDE: f64 = 2.0;
 /// Points are lifted off their surfaces, radiosities are single precision, and patches have errors in common that the
 /// places asked do not tell: no error is told below this share of the light.
-const FLOOR: f64 = 1.5e-3;
+const FLOOR: f64 = 2e-3;
 /// The witness disagrees if it is off by more than this many of its own.
 const DISAGREES: f64 = 3.0;
 
