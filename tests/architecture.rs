@@ -11,7 +11,7 @@ const ROOMS: &[(&str, &str)] = &[
     ("mesh", "scene geometry watch"),
     ("effects", "mesh scene geometry"),
     ("visibility", "mesh geometry watch"),
-    ("emitters", "mesh geometry"),
+    ("emitters", "visibility mesh geometry"),
     ("direct", "emitters visibility mesh geometry watch"),
     ("form_factors", "visibility effects mesh scene geometry watch"),
     ("transport", "form_factors mesh scene geometry watch"),

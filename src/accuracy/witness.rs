@@ -390,7 +390,5 @@ impl<'a> Witness<'a> {
 
 fn place(elements: Option<&Elements>, side: usize, weights: [f64; 3]) -> Option<(usize, [f64; 3])> {
     let Some(elements) = elements else { return Some((side, weights)) };
-    let root = *elements.roots.get(side).filter(|&&root| root != NO_ELEMENT)?;
-    let (leaf, weights) = elements.locate(root, weights);
-    Some((leaf as usize, weights))
+    elements.place(side, weights).map(|(leaf, weights)| (leaf as usize, weights))
 }

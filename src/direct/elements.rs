@@ -157,6 +157,13 @@ impl Elements {
         }
     }
 
+    /// The leaf that holds a place of a side of a triangle of [`PatchMesh::triangles`], `2 * triangle + side`, by the
+    /// weights of its corners, and the weights of the leaf's own corners there. `None` on sides without a patch.
+    pub fn place(&self, side: usize, weights: [f64; 3]) -> Option<(u32, [f64; 3])> {
+        let root = *self.roots.get(side).filter(|&&root| root != NO_ELEMENT)?;
+        Some(self.locate(root, weights))
+    }
+
     /// Divides an element across an edge whose middle is the corner `middle`.
     pub(super) fn divide(&mut self, index: u32, edge: usize, middle: u32) {
         let children = self.elements.len() as u32;

@@ -6,6 +6,7 @@ use super::obstacles::Obstacles;
 use super::shaft::Shaft;
 use crate::emitters::Emitters;
 use crate::mesh::PatchMesh;
+use crate::visibility::THICKNESS;
 use glam::DVec3;
 
 /// The emitters of a scene and all that stands before them.
@@ -43,8 +44,6 @@ pub struct Scratch {
     beams: Vec<(DVec3, f64)>,
 }
 
-/// What is nearer to a plane than this share of the scene's size counts as in it.
-const THICKNESS: f64 = 2e-7;
 /// What is left of an outline in more fragments is looked at by half-planes.
 const MOST_FRAGMENTS: usize = 128;
 /// What passes beside an outline is left out by so many of its edges at most.

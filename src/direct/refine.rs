@@ -337,9 +337,9 @@ impl Refinement<'_> {
         ranked.sort_unstable_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
         let whole: f64 = ranked.iter().map(|entry| entry.0).sum();
         self.elements.expected_error = whole.sqrt();
-        let roots = self.elements.roots.len();
-        let leaves = elements.len().saturating_sub(roots) / 2;
-        let room = self.settings.most.saturating_sub(leaves) / 3;
+        // Each division adds one; what neighbours need comes on top.
+        let added = (elements.len() - self.whole) / 2;
+        let room = self.settings.most.saturating_sub(added) / 3;
         if whole <= self.settings.error * self.settings.error || room == 0 {
             return Vec::new();
         }

@@ -1,7 +1,7 @@
 use super::detail::{Detail, ElementCorners};
 use super::vertices::{ShadingVertices, region_normal};
 use super::weights::{PARALLEL_FROM, VertexWeights};
-use crate::direct::{Elements, NO_ELEMENT};
+use crate::direct::Elements;
 use crate::mesh::{NO_PATCH, PatchMesh, Side};
 use crate::scene::Scene;
 use glam::{DVec3, Vec2, Vec3};
@@ -300,12 +300,9 @@ impl DisplayMesh {
         let at = 2 * triangle as usize + side as usize;
         let (face, weights) = match &self.elements {
             None => (self.faces[at], weights),
-            Some(elements) => match elements.roots[at] {
-                NO_ELEMENT => return ([u32::MAX; 3], weights.map(|w| w as f32), None),
-                root => {
-                    let (leaf, weights) = elements.locate(root, weights);
-                    (self.faces[leaf as usize], weights)
-                }
+            Some(elements) => match elements.place(at, weights) {
+                Some((leaf, weights)) => (self.faces[leaf as usize], weights),
+                None => return ([u32::MAX; 3], weights.map(|w| w as f32), None),
             },
         };
         let patch = self.corners[face[0] as usize].patch;

@@ -2,6 +2,7 @@
 
 use super::{ConvexBody, Emitter, Face};
 use crate::mesh::{NO_PATCH, PatchMesh, Side};
+use crate::visibility::THICKNESS;
 use glam::DVec3;
 use std::collections::{BTreeMap, HashMap};
 use std::sync::Arc;
@@ -41,9 +42,6 @@ pub struct Emitters {
     /// What sends it out.
     pub sources: Vec<Source>,
 }
-
-/// Surfaces that lie back to back are nearer to each other than this share of the scene's size.
-const THICKNESS: f64 = 2e-7;
 
 /// The faces of one lamp that send out light of one colour.
 type Coloured = Vec<([f64; 3], Vec<(Vec<DVec3>, u32)>)>;

@@ -16,7 +16,7 @@ const FIRST: (usize, u32) = (800, 48);
 /// Solves at most on the way to a goal.
 pub const MOST_SOLVES: usize = 6;
 /// Aims at this part of the error asked for, since predictions err and an audit is some 10 % uncertain: while
-/// it is only assumed how the error falls, and once it is known. With 0.85 and 0.93 a picture that was told as
+/// it is only assumed how the error falls, and once it is known. With 0.85 and 0.93 a picture whose error was estimated at
 /// 1 % wrong was 1.01 % off.
 const AIM: [f64; 2] = [0.78, 0.86];
 /// Of the seconds left a solve may be predicted to take this part.
@@ -451,7 +451,7 @@ mod tests {
         let (good, bad) = (of(0.02), of(0.04));
         assert!(is_worse(Some(&bad), Some(&good)));
         assert!(!is_worse(Some(&good), Some(&bad)) && !is_worse(Some(&good), Some(&good)));
-        // Finer ones that there was no time to check are taken to be better, as foreseen.
+        // Finer ones that there was no time to check are taken to be better, as predicted.
         assert!(!is_worse(None, Some(&good)) && !is_worse(Some(&bad), None));
     }
 
