@@ -245,7 +245,7 @@ fn a_poster_close_before_a_wall_hides_the_street_from_it() {
         for band in 0..3 {
             close(&format!("pavement, {gap} m"), found[band], expected[band], 0.015);
         }
-        // What gets into the gap is less than a hundredth of what falls on the poster.
+        // Over the upper edge, at 4.8 m of height for 3.5 m of distance, the moon shines a little into the gap.
         let (light, mesh) = (before.light(&before.scene.lighting()), &before.mesh);
         let behind = |p: &Patch| p.normal.x > 0.9 && p.centre.x < 2.0 + 0.5 * gap && p.centre.y < 1.1;
         let poster = |p: &Patch| p.normal.x > 0.9 && p.centre.x > 2.0 + 0.5 * gap;
@@ -254,7 +254,11 @@ fn a_poster_close_before_a_wall_hides_the_street_from_it() {
             mean(&mesh.patches, &chosen, |i| f64::from(light.irradiance[i][0]))
         };
         let (front, hidden) = (mean_of(&poster), mean_of(&behind));
-        assert!(hidden < 0.01 * front, "{gap} m: {hidden} behind the poster, {front} on it");
+        let over_the_edge = gap * 4.8 / 3.5 / 1.2;
+        assert!(
+            hidden < (0.003 + 1.5 * over_the_edge) * front,
+            "{gap} m: {hidden} behind the poster, {front} on it"
+        );
     }
 }
 
@@ -427,4 +431,60 @@ fn the_lux_of_a_free_point_are_those_of_a_room_written_once() {
     for (what, text) in partitions() {
         close(what, lux(&text.scene("")), once, 2e-3);
     }
+}
+
+/// A room of 4 x 3 x 5 m, a block in it, and a strip of light through the middle of that, which sticks out of both ends.
+fn strip_through_a_block() -> Text {
+    let quad = |at: [f64; 3], u: [f64; 3], v: [f64; 3]| -> Vec<[f64; 3]> {
+        let [at, u, v] = [at, u, v].map(DVec3::from);
+        [at, at + u, at + u + v, at + v].map(|corner| corner.to_array()).to_vec()
+    };
+    let closed = |text: Text, object: &str, material: &str, low: [f64; 3], size: [f64; 3], inward: bool| {
+        let [x, y, z] = size;
+        let far = std::array::from_fn(|axis| low[axis] + size[axis]);
+        let faces = [
+            (low, [0., 0., z], [0., y, 0.]),
+            (low, [x, 0., 0.], [0., 0., z]),
+            (low, [0., y, 0.], [x, 0., 0.]),
+            (far, [0., -y, 0.], [0., 0., -z]),
+            (far, [0., 0., -z], [-x, 0., 0.]),
+            (far, [-x, 0., 0.], [0., -y, 0.]),
+        ];
+        faces.into_iter().fold(text, |text, (at, u, v)| {
+            let (u, v) = if inward { (v, u) } else { (u, v) };
+            text.face(object, material, &quad(at, u, v))
+        })
+    };
+    let text = closed(Text::default(), "room", "white", [0.; 3], [4., 3., 5.], true);
+    let text = closed(text, "block", "grey", [1.6, 1.2, 1.7], [0.8, 0.5, 1.6], false);
+    text.face("strip", "lamp", &quad([1.99, 1.45, 1.5], [0.02, 0., 0.], [0., 0., 2.]))
+}
+
+#[test]
+fn a_lamp_whose_middle_is_built_in_lights_the_room() {
+    let solved = solve(&strip_through_a_block().scene(""));
+    let light = solved.light(&solved.scene.lighting());
+    let floor = |p: &Patch| p.normal.y > 0.9 && p.centre.y.abs() < 1e-9;
+    let lit: Vec<usize> =
+        (0..solved.mesh.patches.len()).filter(|&i| floor(&solved.mesh.patches[i])).collect();
+    let area: f64 = lit.iter().map(|&i| solved.mesh.patches[i].area).sum();
+    assert!((area - 20.0).abs() < 1e-6, "{area} m² of the floor are lit");
+    assert!(lit.iter().all(|&i| light.irradiance[i][0] > 0.0));
+}
+
+#[test]
+fn no_patch_lies_on_both_sides_of_what_cuts_through_its_surface() {
+    // The strip runs through two faces of the block, whose ends it cuts, and they cut it.
+    let mesh = solve(&strip_through_a_block().scene("")).mesh;
+    let strip = |p: &&Patch| p.luminaire.is_some();
+    let mut inside = 0.0;
+    for patch in mesh.patches.iter().filter(strip) {
+        let corners = || mesh.pieces_of(patch).flat_map(|piece| mesh.corners_of(piece));
+        let depth = |z: f64| (z - 1.7).min(3.3 - z);
+        let depths: Vec<f64> = corners().map(|c| depth(mesh.vertices[c.vertex as usize].z)).collect();
+        let (out, in_it) = (depths.iter().any(|&d| d < -1e-6), depths.iter().any(|&d| d > 1e-6));
+        assert!(!(out && in_it), "a patch at {} is cut through", patch.centre);
+        inside += if in_it { patch.area } else { 0.0 };
+    }
+    assert!((inside - 0.02 * 1.6).abs() < 1e-6, "{inside} m² of the strip lie in the block");
 }

@@ -1,5 +1,5 @@
 use super::backing::{Backing, Sheets};
-use super::contacts::Edges;
+use super::contacts::Contacts;
 use super::grading::Lamps;
 use super::patches;
 use super::pieces::{self, Cut, Grid};
@@ -157,7 +157,7 @@ pub fn build_on(
     let patch_size = sizing::patch_size(scene, settings.target, outlines, &sides, &mut finer)?;
     let asked = sizing::count_asked(scene, settings.target);
     let mut mesh = PatchMesh { size, ..PatchMesh::default() };
-    let edges = Edges::new(if as_given { &[] } else { outlines }, size, watch.cancelled())?;
+    let contacts = Contacts::new(if as_given { &[] } else { outlines }, size, watch.cancelled())?;
     let mut cutting = watch.part(0.0, CUT);
     for (index, outline) in outlines.iter().enumerate() {
         cutting.done(index as f64 / outlines.len() as f64)?;
@@ -168,13 +168,13 @@ pub fn build_on(
         } else {
             let grid = Grid::new(outline, patch_size);
             let grading = finer.on(index, outline, sides[index], patch_size);
-            let mut contacts = edges.on(index, outline, grading.shortest(&grid));
-            let cuts: Vec<Cut> = pieces::cut(outline, &grid, &mut contacts, &grading);
+            let mut lines = contacts.on(index, outline, grading.shortest(&grid));
+            let cuts: Vec<Cut> = pieces::cut(outline, &grid, &mut lines, &grading);
             pieces::append(&mut mesh, outline, &grid, &cuts);
-            let contacts: Vec<[DVec2; 2]> = contacts.iter().map(|contact| contact.ends).collect();
+            let lines: Vec<[DVec2; 2]> = lines.iter().map(|contact| contact.ends).collect();
             let pieces = mesh.regions[index].pieces.clone();
-            let groups = patches::group_by_cell(&mesh, pieces, &grid, &cuts, &contacts);
-            mesh.contacts.push(contacts);
+            let groups = patches::group_by_cell(&mesh, pieces, &grid, &cuts, &lines);
+            mesh.contacts.push(lines);
             groups
         };
         mesh.convex.append(index as u32, outline);

@@ -1,4 +1,4 @@
-//! Lines along which surfaces stand on others: light may jump there, so patches end there.
+//! Lines along which surfaces stand on others or cut through them: light may jump there, so patches end there.
 
 use super::pieces::{Cut, Grid, extent, span};
 use super::regions::{Outline, Welder};
@@ -14,16 +14,19 @@ const SHORTEST: f64 = 0.05;
 /// A cell is cut along so many lines at most, the longest: a hedge on a lawn is not traced leaf by leaf.
 const MOST_LINES: usize = 48;
 
-/// The edges of all outlines of a scene.
-pub(super) struct Edges {
+/// Finds where the outlines of a scene touch and cross each other.
+pub(super) struct Contacts<'a> {
+    outlines: &'a [Outline],
+    /// Over the bounds of the outlines, each the diagonal of its box.
+    boxes: Bvh,
+    /// All edges, and a tree over them as triangles without area.
     segments: Vec<Segment>,
-    /// Over the segments as triangles without area.
-    tree: Bvh,
+    edges: Bvh,
     /// Lengths below this count as none, metres.
     tolerance: f64,
 }
 
-/// A line along which something stands on a region, in the region's plane coordinates.
+/// A line along which something stands on a region or cuts through it, in the region's plane coordinates.
 pub(super) struct Contact {
     pub(super) ends: [DVec2; 2],
     /// Extent of all lines that it is joined to, end to end: the width of what stands there.
@@ -35,10 +38,10 @@ struct Segment {
     ends: [DVec3; 2],
 }
 
-impl Edges {
+impl<'a> Contacts<'a> {
     /// Fails where it was `cancelled`.
     pub(super) fn new(
-        outlines: &[Outline],
+        outlines: &'a [Outline],
         scene_size: f64,
         cancelled: &dyn Fn() -> bool,
     ) -> Result<Self, Cancelled> {
@@ -48,31 +51,23 @@ impl Edges {
         };
         let segments: Vec<Segment> = outlines.iter().enumerate().flat_map(of).collect();
         let flat: Vec<[DVec3; 3]> = segments.iter().map(|s| [s.ends[0], s.ends[1], s.ends[1]]).collect();
-        let tree = Bvh::build_unless(&flat, cancelled)?;
-        Ok(Self { tree, segments, tolerance: 1e-6 * scene_size })
+        let edges = Bvh::build_unless(&flat, cancelled)?;
+        let flat: Vec<[DVec3; 3]> =
+            outlines.iter().map(|o| [o.bounds.min, o.bounds.max, o.bounds.max]).collect();
+        let boxes = Bvh::build_unless(&flat, cancelled)?;
+        Ok(Self { outlines, boxes, segments, edges, tolerance: 1e-6 * scene_size })
     }
 
     /// Lines in the plane of an outline that matter to cells of edge `shortest` or longer.
     pub(super) fn on(&self, index: usize, outline: &Outline, shortest: f64) -> Vec<Contact> {
-        let tolerance = self.tolerance;
-        let mut near = Vec::new();
-        self.tree.touching(&outline.bounds.grown(tolerance), |s| near.push(s));
-        near.sort_unstable();
         // Ends that meet are one, and so are lines between the same ends.
-        let mut welder = Welder::new(tolerance);
+        let mut welder = Welder::new(self.tolerance);
         let (mut found, mut known) = (Vec::new(), HashSet::new());
-        for s in near {
-            let segment = &self.segments[s as usize];
-            let [p, q] = segment.ends;
-            if segment.owner == index || p.distance(q) < SHORTEST * shortest {
-                continue;
-            }
-            let [a, b] = segment.ends.map(|end| outline.frame.local(end - outline.origin));
-            if a.z.abs() > tolerance || b.z.abs() > tolerance {
-                continue;
-            }
-            let (a, b) = (a.truncate(), b.truncate());
-            if a.min(b).cmplt(outline.max - tolerance).all() && a.max(b).cmpgt(outline.min + tolerance).all()
+        for [a, b] in self.standing_on(index, outline).chain(self.crossing(index, outline)) {
+            let is_long = a.distance(b) >= SHORTEST * shortest;
+            if is_long
+                && a.min(b).cmplt(outline.max - self.tolerance).all()
+                && a.max(b).cmpgt(outline.min + self.tolerance).all()
             {
                 let mut key = [a, b].map(|end| welder.index(end.extend(0.0)));
                 key.sort_unstable();
@@ -85,6 +80,52 @@ impl Edges {
         let contacts = found.into_iter().map(|([end, _], ends)| Contact { ends, width: width[end as usize] });
         contacts.filter(|contact| contact.width >= WORTH * shortest).collect()
     }
+
+    /// Edges of other outlines that lie in the plane of this one.
+    fn standing_on(&self, index: usize, outline: &Outline) -> impl Iterator<Item = [DVec2; 2]> {
+        let mut near = Vec::new();
+        self.edges.touching(&outline.bounds.grown(self.tolerance), |s| near.push(s));
+        near.sort_unstable();
+        near.into_iter().filter_map(move |s| {
+            let segment = &self.segments[s as usize];
+            let [a, b] = segment.ends.map(|end| outline.frame.local(end - outline.origin));
+            let lies_in_plane = a.z.abs() <= self.tolerance && b.z.abs() <= self.tolerance;
+            (segment.owner != index && lies_in_plane).then(|| [a.truncate(), b.truncate()])
+        })
+    }
+
+    /// Lines along which other outlines cut through the plane of this one.
+    fn crossing(&self, index: usize, outline: &Outline) -> impl Iterator<Item = [DVec2; 2]> {
+        let mut near = Vec::new();
+        self.boxes.touching(&outline.bounds.grown(self.tolerance), |other| near.push(other as usize));
+        near.sort_unstable();
+        near.into_iter()
+            .filter(move |&other| other != index)
+            .flat_map(move |other| crossing(&self.outlines[other], outline, self.tolerance))
+    }
+}
+
+/// Where an outline cuts through the plane of another, in that plane's coordinates; none where it does not reach
+/// farther than `tolerance` to both sides.
+fn crossing(outline: &Outline, through: &Outline, tolerance: f64) -> Vec<[DVec2; 2]> {
+    let local = |corner: DVec2| through.frame.local(outline.world(corner) - through.origin);
+    let (mut low, mut high) = (0.0_f64, 0.0_f64);
+    let mut points = Vec::new();
+    for edge in &outline.edges {
+        let [a, b] = edge.map(local);
+        (low, high) = (low.min(a.z), high.max(a.z));
+        if (a.z > 0.0) != (b.z > 0.0) {
+            points.push((a + (b - a) * (a.z / (a.z - b.z))).truncate());
+        }
+    }
+    if low > -tolerance || high < tolerance {
+        return Vec::new();
+    }
+    // Every other stretch between them lies within the outline.
+    let along = through.frame.normal.cross(outline.frame.normal);
+    let along = through.frame.local(along).truncate();
+    points.sort_by(|p, q| along.dot(*p).total_cmp(&along.dot(*q)));
+    points.chunks_exact(2).map(|ends| [ends[0], ends[1]]).collect()
 }
 
 /// For each point the extent of all `lines` between points, by their indices, that lead to it.

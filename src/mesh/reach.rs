@@ -21,6 +21,11 @@ const BOUNCES: u64 = 4;
 /// This many paths must find light: a single one may have slipped through the seam of two faces.
 const ENOUGH: u32 = 2;
 
+/// Points on all lamps together, about, and on one of them at least and at most: of a lamp that is half built in,
+/// some must lie outside.
+const LAMP_POINTS: usize = 512;
+const POINTS_PER_LAMP: [usize; 2] = [3, 24];
+
 /// Paths from the lamps, and the points that each has at most.
 const LAMP_PATHS: u64 = 2048;
 const LAMP_BOUNCES: u64 = 64;
@@ -97,16 +102,17 @@ impl Sources {
     /// The lamps of a scene of some `size`, metres; no other side is known to be lit.
     pub(super) fn new(outlines: &[Outline], size: f64) -> Self {
         let (mut lamps, mut lamp_tangents) = (Vec::new(), Vec::new());
-        for outline in outlines {
+        let shining = || outlines.iter().filter(|outline| outline.luminaire.is_some());
+        let [least, most] = POINTS_PER_LAMP;
+        let per_lamp = (LAMP_POINTS / shining().count().max(1)).clamp(least, most);
+        for outline in shining() {
             let normal = outline.frame.normal;
-            if outline.luminaire.is_some() {
-                for point in sample_points(outline, 3) {
-                    lamps.push((outline.world(point), normal));
+            for point in sample_points(outline, per_lamp) {
+                lamps.push((outline.world(point), normal));
+                lamp_tangents.push(outline.frame.tangent);
+                if outline.emits_back {
+                    lamps.push((outline.world(point), -normal));
                     lamp_tangents.push(outline.frame.tangent);
-                    if outline.emits_back {
-                        lamps.push((outline.world(point), -normal));
-                        lamp_tangents.push(outline.frame.tangent);
-                    }
                 }
             }
         }

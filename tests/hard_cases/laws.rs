@@ -85,7 +85,9 @@ fn form_factors_hold(name: &str, made: &Assembled, kind: Kind) {
     }
     let told = made.transport.report();
     assert!(told.imbalance <= 1e-7, "{name}: {told:?}");
-    assert!(kind == Kind::Open || told.kept < 1e-6, "{name}: rows contradict each other: {told:?}");
+    // What a patch sees and is not seen by finds no partner: lines miss nothing, samples do.
+    let kept = if made.prepared.computer.sampling().method == Method::Lines { 1e-6 } else { 1e-2 };
+    assert!(kind == Kind::Open || told.kept < kept, "{name}: rows contradict each other: {told:?}");
     let all = made.area(&made.of(|_| true));
     // What lies under something or within it, or in a room without a lamp.
     assert!(kind == Kind::Open || unseeing < 0.5 * all, "{name}: {unseeing} of {all} m2 see nothing");
