@@ -2,7 +2,7 @@
 
 use super::Estimate;
 use crate::scene::luminance_weighted;
-use crate::solver::PatchLight;
+use crate::solver::{PatchLight, gathered};
 use crate::transport::Transport;
 
 /// The solver's own error, relative to the mean irradiance.
@@ -40,9 +40,7 @@ pub fn algebraic_error(
         return AlgebraicError::default();
     }
     let rho = |i: usize, b: usize| reflectance.get(i).map_or(0.0, |r| f64::from(r[b]));
-    let radiosity: Vec<[f64; 3]> = light.radiosity.iter().map(|b| b.map(f64::from)).collect();
-    let mut term: Vec<[f64; 3]> = transport
-        .gather_bands(&radiosity)
+    let mut term: Vec<[f64; 3]> = gathered(transport, reflectance, light)
         .iter()
         .zip(&light.irradiance)
         .map(|(after, before)| std::array::from_fn(|b| after[b] - f64::from(before[b])))

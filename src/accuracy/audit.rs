@@ -8,7 +8,7 @@ use super::witness::{Receiver, Shown, Witness};
 use super::{AlgebraicError, algebraic_error};
 use crate::mesh::PatchMesh;
 use crate::scene::luminance_weighted;
-use crate::solver::PatchLight;
+use crate::solver::{PatchLight, gathered};
 use crate::transport::Transport;
 use rayon::prelude::*;
 use std::time::Instant;
@@ -190,7 +190,7 @@ const INFORMED: f64 = 0.5;
 pub struct Audit<'a> {
     answer: Answer<'a>,
     witness: Witness<'a>,
-    /// Luminance of the irradiance that each patch gathers by its row, W/m².
+    /// Luminance of the irradiance that each patch has by its row and by the direct light on it, W/m².
     by_row: Vec<f64>,
     /// Where the picture takes direct light from elsewhere, what of it the rows gather from surfaces.
     passed_on: Option<Vec<f64>>,
@@ -242,19 +242,16 @@ impl<'a> Audit<'a> {
             |f: &dyn Fn(usize) -> f64| (0..n).map(|i| mesh.patches[i].area * f(i)).sum::<f64>() / all;
         let rho = mean_of(&|i| answer.reflectance.get(i).map_or(0.0, |&r| lum(r)));
         let closed = mean_of(&|i| answer.transport.row_sum(i));
-        let radiosity: Vec<[f64; 3]> = answer.light.radiosity.iter().map(|b| b.map(f64::from)).collect();
-        let gathered = |radiosity: &[[f64; 3]]| -> Vec<f64> {
-            answer.transport.gather_bands(radiosity).into_iter().map(luminance_weighted).collect()
-        };
-        let passed_on = answer.light.detail.as_ref().map(|_| {
-            let sent = |(b, e): (&[f64; 3], &[f32; 3])| std::array::from_fn(|k| b[k] - f64::from(e[k]));
-            gathered(&radiosity.iter().zip(answer.exitance).map(sent).collect::<Vec<_>>())
+        let gathered = gathered(answer.transport, answer.reflectance, answer.light);
+        let by_row: Vec<f64> = gathered.into_iter().map(luminance_weighted).collect();
+        let passed_on = answer.light.detail.as_ref().map(|detail| {
+            by_row.iter().zip(&detail.of_patches).map(|(all, &direct)| all - lum(direct)).collect()
         });
         Some(Self {
             answer,
             witness,
             passed_on,
-            by_row: gathered(&radiosity),
+            by_row,
             counts,
             chance,
             area,

@@ -193,6 +193,18 @@ impl Elements {
             .collect()
     }
 
+    /// How far the direct light of each patch is to be trusted, 0 to 1: the mean of its elements' corners.
+    pub fn trust_in_patches(&self, patches: usize) -> Vec<f32> {
+        let mut sums = vec![(0.0_f64, 0.0_f64); patches];
+        for element in self.leaves() {
+            let area = self.area(element);
+            let trust: f32 = element.corners.iter().map(|&corner| self.trust[corner as usize]).sum();
+            let own = &mut sums[element.patch as usize];
+            *own = (own.0 + area * f64::from(trust) / 3.0, own.1 + area);
+        }
+        sums.iter().map(|&(sum, area)| if area > 0.0 { (sum / area) as f32 } else { 0.0 }).collect()
+    }
+
     /// Leaves out corners that no element has, and their light.
     pub(super) fn compact(&mut self) {
         let mut used = vec![false; self.corners.len()];

@@ -23,6 +23,8 @@ pub struct Row {
     pub points: ReceivingPoints,
     /// Of these points the ones that were left out, since they lie under something: one bit each.
     pub covered: u32,
+    /// Share of the patch that lies open and not under something, 0 to 1, as far as its receiving points tell.
+    pub open: f32,
 }
 
 impl RowBuffer {
@@ -76,6 +78,7 @@ impl RowBuffer {
             values: Vec::with_capacity(count),
             points: ReceivingPoints::One,
             covered: 0,
+            open: 1.0,
         };
         self.drain(|patch, value| {
             let value = value as f32;
@@ -90,7 +93,7 @@ impl RowBuffer {
 
 impl Default for Row {
     fn default() -> Self {
-        Self { patches: Vec::new(), values: Vec::new(), points: ReceivingPoints::One, covered: 0 }
+        Self { patches: Vec::new(), values: Vec::new(), points: ReceivingPoints::One, covered: 0, open: 1.0 }
     }
 }
 

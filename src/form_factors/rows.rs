@@ -286,16 +286,17 @@ impl RowComputer {
         if points.is_empty() {
             // All of it looks at sides that no light reaches, and sees what little is lit beside them alone.
             self.gather(p.centre, frame, turn_of(patch), Purpose::FreePoint, scratch);
-            return scratch.row.take();
+            return Row { open: 0.0, ..scratch.row.take() };
         }
         let count = points.len() as f64;
+        let open = 1.0 - covered.count_ones() as f32 / at.count() as f32;
         for (k, (point, weight)) in points.into_iter().enumerate() {
             scratch.row.set_weight(weight);
             // The patterns of the points interleave.
             self.gather(point, frame, turn_of(patch) + k as f64 / count, Purpose::OneOf(at), scratch);
         }
         scratch.row.set_weight(1.0);
-        Row { points: at, covered, ..scratch.row.take() }
+        Row { points: at, covered, open, ..scratch.row.take() }
     }
 
     /// How many times as many half-planes a row that a shadow's edge crosses takes as one gathered at its

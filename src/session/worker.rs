@@ -330,15 +330,17 @@ impl Worker<'_> {
             self.state.rows = rows.into_iter().map(Some).collect();
             let transport = assembled?;
             self.state.transport = Some(transport.clone());
-            self.settle_elements(&system);
+            self.settle_elements(&system)?;
             if let Some(solution) = self.snapshot.solution_mut() {
                 solution.transport = Some(transport);
             }
             self.snapshot.unshot = None;
         }
         if self.lay_out_elements(&prepared, &system)? {
-            self.settle_elements(&system);
+            self.settle_elements(&system)?;
         }
+        let elements = self.snapshot.solution.as_ref().and_then(|solution| solution.element_light.as_ref());
+        let system = system.with_direct(elements.map(|elements| &elements.of_patches));
         let transport = self.state.transport.clone().ok_or(Failure::Cancelled)?;
         let start = self.state.bases.clone();
         let tolerance = self.state.settings.tolerance;
@@ -374,13 +376,15 @@ impl Worker<'_> {
     }
 
     /// The transport stands that the light of the patches comes from, direct light included.
-    fn settle_elements(&mut self, system: &System) {
-        let Some(transport) = self.state.transport.clone() else { return };
-        if let Some(solution) = self.snapshot.solution_mut()
-            && let Some(elements) = solution.element_light.as_deref().cloned()
-        {
-            solution.element_light = Some(Arc::new(elements.settled(transport.as_ref(), system)));
+    fn settle_elements(&mut self, system: &System) -> Result<(), Failure> {
+        let Some(transport) = self.state.transport.clone() else { return Ok(()) };
+        let laid_out = self.snapshot.solution.as_ref().and_then(|s| s.element_light.as_deref()).cloned();
+        let Some(elements) = laid_out else { return Ok(()) };
+        let settled = self.with_run(|run| run.settle(elements, transport.as_ref(), system))?;
+        if let Some(solution) = self.snapshot.solution_mut() {
+            solution.element_light = Some(Arc::new(settled));
         }
+        Ok(())
     }
 
     /// Reads and meshes what is wanted, where that is called for. What is refused is struck off the wish, and

@@ -18,8 +18,11 @@ pub struct ElementLight {
     pub direct: Arc<DirectLight>,
     /// What the values at their corners are of.
     pub bases: Vec<Basis>,
-    /// The direct light that is in the light of the patches, per luminaire: what elements stand in for.
+    /// The direct light that is in the light of the patches, per luminaire: the means of their elements, each lamp's
+    /// scaled so that what it emits arrives.
     pub of_patches: Arc<LightBases>,
+    /// What it was scaled by, per luminaire and band; 1 until the transport stands.
+    pub scaling: Arc<[f32]>,
 }
 
 /// Division ends once direct light is expected to be off by this share of itself, RMS.
@@ -51,10 +54,45 @@ impl ElementLight {
         Ok(Self::new(elements, light, mesh, (system.lamps, system.bands)))
     }
 
-    /// The same once the transport stands that the light of the patches comes from.
-    #[must_use]
-    pub fn settled(self, transport: &dyn Transport, system: &System) -> Self {
-        Self { of_patches: Arc::new(direct_bases(transport, system)), ..self }
+    /// The same once the transport stands: where elements are too coarse to be trusted, or lie under something, patches
+    /// have the direct light that the transport carries, and what each lamp sends to other surfaces arrives there as a whole.
+    ///
+    /// # Errors
+    /// It was `cancelled`.
+    pub fn settled(
+        self,
+        transport: &dyn Transport,
+        system: &System,
+        cancelled: &(dyn Fn() -> bool + Sync),
+    ) -> Result<Self, Cancelled> {
+        let carried = direct_bases(transport, system, cancelled)?;
+        let columns = system.columns();
+        let trust = self.elements.trust_in_patches(system.patches());
+        let mut values = Vec::with_capacity(carried.values.len());
+        let (mut sent, mut arriving) = (vec![0.0_f64; columns], vec![0.0_f64; columns]);
+        for (i, &trust) in trust.iter().enumerate() {
+            let row_sum = transport.row_sum(i);
+            let share = if transport.sees(i) { trust * transport.quality(i).open } else { 0.0 };
+            for column in 0..columns {
+                let at = i * columns + column;
+                let (own, carried) = (self.of_patches.values[at], carried.values[at]);
+                let value = carried + share * (own - carried);
+                values.push(value);
+                sent[column] += system.areas[i] * row_sum * system.exitance(i, column);
+                arriving[column] += system.areas[i] * f64::from(value);
+            }
+        }
+        let scaling: Arc<[f32]> = sent
+            .iter()
+            .zip(&arriving)
+            .map(|(sent, arriving)| if *arriving > 0.0 { (sent / arriving) as f32 } else { 1.0 })
+            .collect();
+        if columns > 0 {
+            for own in values.chunks_exact_mut(columns) {
+                own.iter_mut().zip(scaling.iter()).for_each(|(value, scale)| *value *= scale);
+            }
+        }
+        Ok(Self { of_patches: Arc::new(LightBases { values, ..carried }), scaling, ..self })
     }
 
     /// Elements of a mesh; the patches are taken to have the mean of what is on them.
@@ -85,6 +123,7 @@ impl ElementLight {
             direct: Arc::new(direct),
             bases,
             of_patches: Arc::new(of_patches),
+            scaling: vec![1.0; lamps * bands].into(),
         }
     }
 

@@ -420,6 +420,20 @@ impl<'a> Run<'a> {
         Ok(Some(light))
     }
 
+    /// Direct light on elements, as patches take it over from them once the transport stands.
+    ///
+    /// # Errors
+    /// The run was ended.
+    pub fn settle(
+        &self,
+        elements: ElementLight,
+        transport: &dyn Transport,
+        system: &System,
+    ) -> Result<ElementLight, PipelineError> {
+        let cancel = self.cancel;
+        Ok(elements.settled(transport, system, &|| cancel.load(Ordering::Relaxed))?)
+    }
+
     /// Makes the rows reciprocal and closed. They are emptied on the way, to make room; those that are left
     /// when the run is cancelled are whole.
     pub fn assemble(
@@ -493,10 +507,13 @@ impl Run<'_> {
         let (mut rows, start) = self.rows(prepared, &system, standing, &mut Vec::new())?;
         let elements = self.elements(prepared, &system)?;
         let transport = self.assemble(prepared, &mut rows)?;
+        let settle = |elements| self.settle(elements, transport.as_ref(), &system).map(Arc::new);
+        let elements = elements.map(settle).transpose()?;
+        let system = system.with_direct(elements.as_ref().map(|elements| &elements.of_patches));
         let (bases, sweeps) =
             self.sweeps(prepared, transport.as_ref(), &system, Some(&start), settings.tolerance)?;
         Ok(Solution {
-            element_light: elements.map(|elements| Arc::new(elements.settled(transport.as_ref(), &system))),
+            element_light: elements,
             transport: Some(transport),
             bases: Arc::new(bases),
             sweeps,

@@ -1,14 +1,15 @@
 use super::System;
 use crate::mesh::{NO_PATCH, PatchMesh};
 use crate::scene::Lighting;
-use crate::transport::{LANES, Lanes, Transport};
+use crate::transport::{self, LANES, Lanes, Transport};
+use crate::watch::Cancelled;
 use std::sync::Arc;
 
 /// Irradiance of every patch for every luminaire alone, at unit white exitance.
 ///
 /// The solution is linear in emission: any mix of switched, dimmed and coloured lamps is one sum
 /// over these. Values are in W/m² of irradiance per W/m² of exitance.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct LightBases {
     /// Patches.
     pub patches: usize,
@@ -168,9 +169,15 @@ pub fn patch_emission(patch: &crate::mesh::Patch, lighting: &Lighting) -> [f32; 
     std::array::from_fn(|b| (output[b] * patch.emission_weight[b]) as f32)
 }
 
-/// What the lamps give by themselves, per patch and luminaire: gathered once from their exitance alone, by the same
-/// transport as the bases.
-pub fn direct_bases(transport: &dyn Transport, system: &System) -> LightBases {
+/// What the lamps give by themselves, per patch and luminaire: gathered once from their exitance alone.
+///
+/// # Errors
+/// It was `cancelled`.
+pub fn direct_bases(
+    transport: &dyn Transport,
+    system: &System,
+    cancelled: transport::Cancelled<'_>,
+) -> Result<LightBases, Cancelled> {
     let (patches, columns) = (system.patches(), system.columns());
     let mut values = vec![0.0_f32; patches * columns];
     let mut irradiance = vec![[0.0; LANES]; patches];
@@ -182,12 +189,15 @@ pub fn direct_bases(transport: &dyn Transport, system: &System) -> LightBases {
                 })
             })
             .collect();
-        transport.gather(0..patches, &exitance, &mut irradiance, &|| false);
+        transport.gather(0..patches, &exitance, &mut irradiance, cancelled);
+        if cancelled() {
+            return Err(Cancelled);
+        }
         for (own, found) in values.chunks_exact_mut(columns).zip(&irradiance) {
             for (lane, &value) in found.iter().enumerate().take(columns - first) {
                 own[first + lane] = value as f32;
             }
         }
     }
-    LightBases { patches, lamps: system.lamps, bands: system.bands, values }
+    Ok(LightBases { patches, lamps: system.lamps, bands: system.bands, values })
 }

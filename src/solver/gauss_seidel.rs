@@ -1,5 +1,5 @@
 use super::balance::{Aggregates, PowerBalance};
-use super::{LightBases, SweepReport, System};
+use super::{LightBases, SweepReport, System, direct_bases};
 use crate::mesh::PatchMesh;
 use crate::transport::{Cancelled, LANES, Lanes, Transport};
 use crate::watch;
@@ -10,7 +10,8 @@ pub fn columns_read(columns: usize) -> usize {
     columns.div_ceil(LANES)
 }
 
-/// Iterates B = E + rho F B for all columns from any start.
+/// Iterates R = rho (D + F R) for all columns from any start: D is the light straight from the lamps, F R what
+/// surfaces pass on, and R what they reflect of both.
 ///
 /// Groups of columns are independent of each other and run in parallel, each strictly in the order
 /// of the patches: the same bits whatever the thread count.
@@ -30,7 +31,11 @@ pub struct GaussSeidel {
 #[derive(Clone, Debug)]
 struct Group {
     columns: Vec<usize>,
+    /// D.
+    direct: Vec<Lanes>,
+    /// R.
     radiosity: Vec<Lanes>,
+    /// F R.
     irradiance: Vec<Lanes>,
     residual: Vec<Lanes>,
     /// The state before the last sweep, once there is one.
@@ -46,7 +51,8 @@ struct State {
 }
 
 impl GaussSeidel {
-    /// Starts from the irradiance in `start` if it has as many patches and columns, else from B = E.
+    /// Starts from the irradiance in `start` if it has as many patches and columns, else from direct light alone.
+    /// Where the system has no direct light, it is gathered from what the lamps emit.
     pub fn new(
         mesh: &PatchMesh,
         transport: &dyn Transport,
@@ -73,23 +79,36 @@ impl GaussSeidel {
         let n = system.patches();
         let start = start.filter(|s| s.patches == n && s.lamps == system.lamps && s.bands == system.bands);
         let columns: Vec<usize> = (0..system.columns()).collect();
+        let gathered;
+        let direct = match &system.direct {
+            Some(direct) => direct,
+            None => {
+                gathered = direct_bases(transport, system, cancelled)?;
+                &gathered
+            }
+        };
+        let start = start.unwrap_or(direct);
         let groups = columns
             .chunks(LANES)
             .map(|columns| {
+                let of = |light: &LightBases, i: usize| {
+                    let mut lanes = [0.0; LANES];
+                    for (lane, &c) in lanes.iter_mut().zip(columns) {
+                        *lane = f64::from(light.values[i * light.lamps * light.bands + c]);
+                    }
+                    lanes
+                };
                 let radiosity = (0..n)
                     .map(|i| {
-                        let mut b = [0.0; LANES];
-                        for (lane, &c) in columns.iter().enumerate() {
-                            let arriving =
-                                start.map_or(0.0, |s| f64::from(s.values[i * s.lamps * s.bands + c]));
-                            b[lane] = system.exitance(i, c) + system.rho(i, c) * arriving;
-                        }
+                        let mut b = of(start, i);
+                        b.iter_mut().zip(columns).for_each(|(b, &c)| *b *= system.rho(i, c));
                         b
                     })
                     .collect();
                 let zeros = vec![[0.0; LANES]; n];
                 Group {
                     columns: columns.to_vec(),
+                    direct: (0..n).map(|i| of(direct, i)).collect(),
                     radiosity,
                     irradiance: zeros.clone(),
                     residual: zeros,
@@ -152,11 +171,7 @@ impl GaussSeidel {
             for (lane, &column) in group.columns.iter().enumerate() {
                 // What is reflected, not what a lamp emits: beside a lamp of a million W/m² all light of
                 // a room is small.
-                let reflected = (0..system.patches())
-                    .map(|i| system.rho(i, column) * group.irradiance[i][lane])
-                    .fold(0.0, f64::max);
-                let emitted = || group.radiosity.iter().map(|b| b[lane].abs()).fold(0.0, f64::max);
-                let largest = if reflected > 0.0 { reflected } else { emitted() };
+                let largest = group.radiosity.iter().map(|b| b[lane].abs()).fold(0.0, f64::max);
                 let residual = group.residual.iter().map(|r| r[lane].abs()).fold(0.0, f64::max);
                 if largest > 0.0 {
                     report.residual = report.residual.max(residual / largest);
@@ -166,9 +181,12 @@ impl GaussSeidel {
                 let copies = if system.bands == 1 { 3.0 } else { 1.0 };
                 for i in 0..system.patches() {
                     let power = system.areas[i] * output * copies;
-                    report.emitted += power * system.exitance(i, column);
-                    report.absorbed += power * (1.0 - system.rho(i, column)) * group.irradiance[i][lane];
-                    report.escaped += power * (1.0 - self.row_sums[i]) * group.radiosity[i][lane];
+                    let emitted = system.exitance(i, column);
+                    let arriving = group.direct[i][lane] + group.irradiance[i][lane];
+                    report.emitted += power * emitted;
+                    report.absorbed += power * (1.0 - system.rho(i, column)) * arriving;
+                    let leaving = emitted + group.radiosity[i][lane];
+                    report.escaped += power * (1.0 - self.row_sums[i]) * leaving;
                 }
             }
         }
@@ -181,9 +199,9 @@ impl GaussSeidel {
         let stride = system.columns();
         let mut values = vec![0.0_f32; system.patches() * stride];
         for group in &self.groups {
-            for (i, h) in group.irradiance.iter().enumerate() {
+            for (i, (passed_on, direct)) in group.irradiance.iter().zip(&group.direct).enumerate() {
                 for (lane, &column) in group.columns.iter().enumerate() {
-                    values[i * stride + column] = h[lane] as f32;
+                    values[i * stride + column] = (direct[lane] + passed_on[lane]) as f32;
                 }
             }
         }
@@ -207,7 +225,7 @@ impl Group {
             }
             balance.correct(column % system.bands, &mut power);
             for (i, b) in self.radiosity.iter_mut().enumerate() {
-                // A black patch has B = E exactly; the correction is for what is reflected.
+                // A black patch reflects nothing; the correction is for what is reflected.
                 if system.rho(i, column) > 0.0 && transport.sees(i) {
                     b[lane] = (b[lane] + power[aggregates.of_patch[i] as usize]).max(0.0);
                 }
@@ -217,13 +235,13 @@ impl Group {
 
     /// One Gauss-Seidel pass over the patches in order.
     fn relax(&mut self, transport: &dyn Transport, system: &System, cancelled: Cancelled) {
-        let columns = &self.columns;
+        let (columns, direct) = (&self.columns, &self.direct);
         transport.relax(&mut self.radiosity, cancelled, &mut |i, others, own| {
             let mut radiosity = [0.0; LANES];
             for (lane, &column) in columns.iter().enumerate() {
                 // What a patch keeps for itself is solved for, not iterated.
                 let rho = system.rho(i, column);
-                radiosity[lane] = (system.exitance(i, column) + rho * others[lane]) / (1.0 - rho * own);
+                radiosity[lane] = rho * (direct[i][lane] + others[lane]) / (1.0 - rho * own);
             }
             radiosity
         });
@@ -275,8 +293,8 @@ impl Group {
         }
         for (i, (irradiance, residual)) in self.irradiance.iter().zip(&mut self.residual).enumerate() {
             for (lane, &column) in columns.iter().enumerate() {
-                residual[lane] = system.exitance(i, column) + system.rho(i, column) * irradiance[lane]
-                    - radiosity[i][lane];
+                let arriving = self.direct[i][lane] + irradiance[lane];
+                residual[lane] = system.rho(i, column) * arriving - radiosity[i][lane];
             }
         }
     }

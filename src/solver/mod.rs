@@ -15,7 +15,7 @@ mod system;
 pub use bases::{Detail, LightBases, PatchLight, Power, direct_bases, patch_emission};
 pub use gauss_seidel::{GaussSeidel, columns_read};
 pub use refiner::Refiner;
-pub use residual::residual;
+pub use residual::{gathered, residual};
 pub use shooter::Shooter;
 pub use system::System;
 

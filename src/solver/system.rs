@@ -1,7 +1,9 @@
+use super::LightBases;
 use crate::mesh::PatchMesh;
 use crate::scene::Lighting;
+use std::sync::Arc;
 
-/// The right-hand sides of all bases: reflectance and emission a patch.
+/// The right-hand sides of all bases: reflectance, emission and direct light per patch.
 ///
 /// A column is one band of one luminaire; columns run lamp by lamp, band by band. Where the scene
 /// is grey, one band stands for all three.
@@ -19,6 +21,9 @@ pub struct System {
     pub areas: Vec<f64>,
     /// Exitance a column for the lamps as they come with the scene, W/m².
     pub output: Vec<f64>,
+    /// Irradiance of each patch straight from the lamps, at unit exitance, where it is known better than by
+    /// gathering their emission.
+    pub direct: Option<Arc<LightBases>>,
 }
 
 impl System {
@@ -45,7 +50,15 @@ impl System {
             emission: mesh.patches.iter().map(|p| p.luminaire.map(|l| (l, p.emission_weight))).collect(),
             areas: mesh.patches.iter().map(|p| p.area).collect(),
             output,
+            direct: None,
         }
+    }
+
+    /// The same with this direct light, if it has as many patches and columns.
+    #[must_use]
+    pub fn with_direct(self, direct: Option<&Arc<LightBases>>) -> Self {
+        let fits = |light: &&Arc<LightBases>| light.values.len() == self.patches() * self.columns();
+        Self { direct: direct.filter(fits).cloned(), ..self }
     }
 
     /// Columns in all.

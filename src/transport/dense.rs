@@ -337,7 +337,7 @@ impl Block {
             let a_i = mesh.patches[i].area;
             // Close pairs in rising order: those of lower rows, then this row's own.
             let mut exact = mirrored[k].iter().chain(&close[i]).peekable();
-            let mut pairs = PairGaps::new(row.sum(), a_i);
+            let mut pairs = PairGaps::new(row, a_i);
             let (mut r, mut c) = (0, 0);
             while r < row.patches.len() || c < column.len() {
                 let from_row = row.patches.get(r).copied().unwrap_or(u32::MAX);

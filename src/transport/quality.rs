@@ -1,5 +1,6 @@
 //! What sampling got wrong about a row, before the rows were made reciprocal and closed.
 
+use crate::form_factors::Row;
 use crate::mesh::NO_PATCH;
 
 /// How far a row as it was sampled is from what physics asks of it.
@@ -19,6 +20,8 @@ pub struct RowQuality {
     pub worst_pair_gap: f32,
     /// The other patch of that pair; [`NO_PATCH`] where all pairs agree.
     pub worst_partner: u32,
+    /// Share of the patch that lies open and not under something, 0 to 1, as far as its receiving points tell.
+    pub open: f32,
 }
 
 impl Default for RowQuality {
@@ -29,6 +32,7 @@ impl Default for RowQuality {
             worst_reciprocity: 0.0,
             worst_pair_gap: 0.0,
             worst_partner: NO_PATCH,
+            open: 1.0,
         }
     }
 }
@@ -36,6 +40,7 @@ impl Default for RowQuality {
 /// Compares the two samples of each pair of one row.
 pub(super) struct PairGaps {
     sampled_sum: f64,
+    open: f32,
     area: f64,
     gap: f64,
     mean: f64,
@@ -44,9 +49,10 @@ pub(super) struct PairGaps {
 }
 
 impl PairGaps {
-    /// For a row whose samples sum to `sampled_sum`, of a patch of `area` m².
-    pub(super) fn new(sampled_sum: f64, area: f64) -> Self {
-        Self { sampled_sum, area, gap: 0.0, mean: 0.0, worst: (0.0, 0.0, NO_PATCH) }
+    /// For a row of a patch of `area` m².
+    pub(super) fn new(row: &Row, area: f64) -> Self {
+        let (sampled_sum, open) = (row.sum(), row.open);
+        Self { sampled_sum, open, area, gap: 0.0, mean: 0.0, worst: (0.0, 0.0, NO_PATCH) }
     }
 
     /// Takes a pair's samples: `out` = A_i F_ij of this row and `back` = A_j F_ji of row `j`, m².
@@ -70,6 +76,7 @@ impl PairGaps {
             worst_reciprocity: over(worst, self.area),
             worst_pair_gap: over(worst, pair),
             worst_partner: partner,
+            open: self.open,
         };
         (self.gap, self.mean, quality)
     }
@@ -81,7 +88,8 @@ mod tests {
 
     #[test]
     fn a_symmetric_pair_has_no_gap() {
-        let mut pairs = PairGaps::new(0.5, 2.0);
+        let row = Row { patches: vec![3, 7], values: vec![0.25, 0.25], ..Row::default() };
+        let mut pairs = PairGaps::new(&row, 2.0);
         pairs.add(3, 0.25, 0.25);
         pairs.add(7, 0.75, 0.75);
         let (gap, mean, quality) = pairs.finish();
@@ -91,7 +99,7 @@ mod tests {
 
     #[test]
     fn the_worst_pair_is_the_one_with_the_largest_gap() {
-        let mut pairs = PairGaps::new(1.0, 4.0);
+        let mut pairs = PairGaps::new(&Row::default(), 4.0);
         pairs.add(1, 0.6, 0.5);
         pairs.add(2, 0.3, 0.1);
         // Met by one of the two alone, but a ten-thousandth of the row.

@@ -172,6 +172,7 @@ fn superposition(way: Way) -> Result<f64, CaseError> {
             .map(|p| p.luminaire.map(|l| (0, lighting.lamps[l as usize].output())))
             .collect(),
         output: vec![1.0; system.bands],
+        direct: None,
         ..system
     };
     let (bases, _) = made.sweep(&all, 1e-8)?;

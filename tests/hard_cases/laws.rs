@@ -14,6 +14,9 @@ use std::sync::Arc;
 pub(crate) enum Kind {
     /// No light escapes from any patch that sees something.
     Closed,
+    /// As that, with bodies that stand in each other and in the walls: patches at their seams may lie a little within
+    /// another body.
+    Cluttered,
     /// Light escapes, or some side is black.
     Open,
 }
@@ -44,7 +47,7 @@ pub(crate) fn hold_model(name: &str, model: &Model, kind: Kind) {
 pub(crate) fn hold_with(name: &str, scene: &Arc<Scene>, kind: Kind, settings: &SolveSettings) -> Assembled {
     let made = assembled(scene, settings);
     form_factors_hold(name, &made, kind);
-    if kind == Kind::Closed {
+    if kind != Kind::Open {
         furnace_is_white(name, &made);
     }
     light_holds(name, &made);
@@ -71,13 +74,14 @@ fn form_factors_hold(name: &str, made: &Assembled, kind: Kind) {
         assert!((0.0..=1.0 + 1e-9).contains(&sum), "{}: the row sums to {sum}", place());
         if sum == 0.0 {
             unseeing += p.area;
-        } else if kind == Kind::Closed {
+        } else if kind != Kind::Open {
             assert!((sum - 1.0).abs() < 1e-6, "{}: the row sums to {sum}", place());
             // Before it was balanced, nothing was lost; closed forms alone count both of two faces in one place.
             let sampled = f64::from(f.quality(i).sampled_sum);
+            let lost = if kind == Kind::Cluttered { 0.02 } else { 1e-4 };
             let counted_twice = if made.prepared.plan.is_on(Effect::Visibility) { 0.0 } else { 0.3 };
             assert!(
-                (1.0 - 1e-4..1.0 + 1e-4 + counted_twice).contains(&sampled),
+                (1.0 - lost..1.0 + 1e-4 + counted_twice).contains(&sampled),
                 "{}: the row as sampled sums to {sampled}",
                 place()
             );

@@ -124,7 +124,7 @@ fn laws(cases: u32) {
             [(Method::Lines, 96, 120), (Method::Hemicube, 64, 60), (Method::Rays, 256, 60)]
         {
             let settings = settings(PatchTarget::Count(patches), method, resolution);
-            hold_with(method.name(), &scene, Kind::Closed, &settings);
+            hold_with(method.name(), &scene, Kind::Cluttered, &settings);
         }
     });
 }
