@@ -7,6 +7,7 @@
 
 mod clip;
 mod elements;
+mod first_views;
 mod fan;
 mod light;
 mod obstacles;

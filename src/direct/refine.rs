@@ -1,6 +1,7 @@
 //! Elements divided where direct light is not linear between their corners.
 
 use super::elements::{Element, ElementCorner, Elements, NO_ELEMENT};
+use super::first_views::first_views;
 use super::light::{DirectLight, Scratch, Views};
 use crate::mesh::PatchMesh;
 use crate::watch::{Cancelled, Watch};
@@ -83,13 +84,7 @@ impl Elements {
         watch: &mut Watch<'_>,
     ) -> Result<Self, Cancelled> {
         let mut elements = Self::roots_of(mesh, settings.smooth);
-        let views = watch.part(0.0, 0.2).map(&elements.elements, |_, root| {
-            if mesh.patches[root.patch as usize].buried {
-                return Arc::default();
-            }
-            let normal = mesh.patches[root.patch as usize].normal;
-            Arc::new(with_scratch(|scratch| light.views(&elements.positions(root), normal, false, scratch)))
-        })?;
+        let views = first_views(&elements, mesh, light, &mut watch.part(0.0, 0.2))?;
         let borders = borders(&elements);
         let inset = 3.0 * light.thickness();
         // 1. The corners of the mesh, seen from their elements.

@@ -1,0 +1,97 @@
+//! What the triangles of a mesh may see of the emitters: looked for once for those of a surface that lie side by side, and
+//! narrowed for each.
+
+use super::elements::Elements;
+use super::light::{DirectLight, Scratch, Views};
+use crate::mesh::PatchMesh;
+use crate::watch::{Cancelled, Watch};
+use glam::{DVec2, DVec3};
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+/// Triangles of a group at most.
+const MOST: usize = 16;
+
+/// For each element, undivided as they are, what it may see.
+pub(super) fn first_views(
+    elements: &Elements,
+    mesh: &PatchMesh,
+    light: &DirectLight,
+    watch: &mut Watch<'_>,
+) -> Result<Vec<Arc<Views>>, Cancelled> {
+    let groups = groups(elements, mesh);
+    let seen = watch.map(&groups, |_, group| {
+        let mut scratch = Scratch::default();
+        let normal = mesh.patches[elements.elements[group[0] as usize].patch as usize].normal;
+        let positions = |root: u32| elements.positions(&elements.elements[root as usize]);
+        if let [root] = group[..] {
+            return vec![light.views(&positions(root), normal, false, &mut scratch)];
+        }
+        let corners = group.iter().flat_map(|&root| positions(root));
+        let all = light.views(&rectangle(elements, mesh, group[0], corners), normal, false, &mut scratch);
+        group.iter().map(|&root| light.narrowed(&all, &positions(root), normal, &mut scratch)).collect()
+    })?;
+    let mut views = vec![Arc::default(); elements.elements.len()];
+    for (group, seen) in groups.into_iter().zip(seen) {
+        for (root, seen) in group.into_iter().zip(seen) {
+            views[root as usize] = Arc::new(seen);
+        }
+    }
+    Ok(views)
+}
+
+/// The roots of each side of each region, halved along their longer axis until they are few. Those of buried patches
+/// are left out.
+fn groups(elements: &Elements, mesh: &PatchMesh) -> Vec<Vec<u32>> {
+    let mut of_side: BTreeMap<(u32, u8), Vec<u32>> = BTreeMap::new();
+    for (root, element) in (0_u32..).zip(&elements.elements) {
+        let patch = &mesh.patches[element.patch as usize];
+        if !patch.buried {
+            of_side.entry((patch.region, patch.side as u8)).or_default().push(root);
+        }
+    }
+    let mut groups = Vec::new();
+    for ((region, _), roots) in of_side {
+        let frame = mesh.regions[region as usize].frame;
+        let mut waiting: Vec<Vec<(DVec2, u32)>> = vec![
+            roots
+                .into_iter()
+                .map(|root| {
+                    let [a, b, c] = elements.positions(&elements.elements[root as usize]);
+                    (frame.local((a + b + c) / 3.0).truncate(), root)
+                })
+                .collect(),
+        ];
+        while let Some(mut roots) = waiting.pop() {
+            if roots.len() <= MOST {
+                groups.push(roots.into_iter().map(|root| root.1).collect());
+                continue;
+            }
+            let (low, high) = extent(roots.iter().map(|root| root.0));
+            let axis = if (high - low).x >= (high - low).y { DVec2::X } else { DVec2::Y };
+            roots.sort_by(|a, b| axis.dot(a.0).total_cmp(&axis.dot(b.0)).then(a.1.cmp(&b.1)));
+            let rest = roots.split_off(roots.len() / 2);
+            waiting.extend([rest, roots]);
+        }
+    }
+    groups
+}
+
+/// The rectangle along the axes of a root's region that holds these points of its plane.
+fn rectangle(
+    elements: &Elements,
+    mesh: &PatchMesh,
+    root: u32,
+    corners: impl Iterator<Item = DVec3>,
+) -> [DVec3; 4] {
+    let patch = &mesh.patches[elements.elements[root as usize].patch as usize];
+    let region = &mesh.regions[patch.region as usize];
+    let local = corners.map(|corner| region.frame.local(corner - region.origin).truncate());
+    let (low, high) = extent(local);
+    [low, DVec2::new(high.x, low.y), high, DVec2::new(low.x, high.y)]
+        .map(|p| region.origin + region.frame.tangent * p.x + region.frame.bitangent * p.y)
+}
+
+fn extent(points: impl Iterator<Item = DVec2>) -> (DVec2, DVec2) {
+    points.fold((DVec2::INFINITY, DVec2::NEG_INFINITY), |(low, high), p| (low.min(p), high.max(p)))
+}
