@@ -2,7 +2,7 @@
 
 mod common;
 
-use common::{Model, builtin, ceiling_with_lamp, room_with_blocks, settings, solved};
+use common::{Model, builtin, ceiling_with_lamp, room_with_blocks, settings, solved, solved_by_rows};
 use glam::DVec3;
 use lumenwalk::accuracy::{AuditSettings, ErrorBudget, Receiver, Shown, Sobol, Witness, algebraic_error};
 use lumenwalk::display::DisplayMesh;
@@ -113,7 +113,7 @@ fn black_room(key: u32, method: Method, resolution: u32) -> Case {
     ceiling_with_lamp(&mut m, "black", size, lamp);
     let mut how = settings(PatchTarget::Count(70 + (60.0 * of(7)) as usize), method, resolution);
     how.effects.with = vec![Effect::Visibility];
-    Case::new(Solution { element_light: None, ..solved(&m.scene(), &how) })
+    Case::new(solved_by_rows(&m.scene(), &how))
 }
 
 #[test]
@@ -286,8 +286,7 @@ fn the_map_points_at_the_places_where_a_finer_solve_differs() {
     let fine = solved(&scene, &settings(PatchTarget::Count(3000), Method::Lines, 384));
     let light = fine.light(&scene.lighting());
     // Patches alone, whose errors are larger and have their places.
-    let coarse = solved(&scene, &settings(PatchTarget::Count(500), Method::Lines, 48));
-    let case = Case::new(Solution { element_light: None, ..coarse });
+    let case = Case::new(solved_by_rows(&scene, &settings(PatchTarget::Count(500), Method::Lines, 48)));
     let how = AuditSettings { receivers: 192, seconds: 1e9, precision: 1e-9, ..AuditSettings::default() };
     let found = study::audit(&case.solved, &scene.lighting(), &how, &|| false).expect("light");
     let (map, total) = (&found.map.error, found.budget.total.error);
@@ -341,7 +340,7 @@ fn more_lines_and_more_patches_each_lessen_their_own_error() {
     let budget = |patches: usize, lines: u32| {
         let how = settings(PatchTarget::Count(patches), Method::Lines, lines);
         // Patches alone: elements leave but what surfaces pass on to them.
-        let case = Case::new(Solution { element_light: None, ..solved(&builtin("cornell"), &how) });
+        let case = Case::new(solved_by_rows(&builtin("cornell"), &how));
         audited(
             &case,
             &AuditSettings { receivers: 192, seconds: 1e9, resolve: 2e-3, ..AuditSettings::default() },

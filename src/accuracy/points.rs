@@ -246,7 +246,8 @@ struct PatchError {
     /// Its mean over the points, with the standard error of that.
     bias: f64,
     bias_noise: f64,
-    /// Standard deviation from point to point, free of the noise of a point's own mean.
+    /// Standard deviation from point to point, free of the noise of a point's own mean: as large as it may be, since
+    /// few that were asked of each point tell little of it.
     spread: f64,
 }
 
@@ -279,7 +280,8 @@ impl PatchError {
         Self {
             bias: mean,
             bias_noise: (between.max(noise) / n).sqrt(),
-            spread: (between - noise).max(0.0).sqrt(),
+            // A variance found from n values is off by 2 / n of itself, squared.
+            spread: ((between - noise).max(0.0) + WIDE * between * (2.0 / n).sqrt()).sqrt(),
         }
     }
 }

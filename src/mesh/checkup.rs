@@ -140,23 +140,28 @@ mod tests {
         v 1 2.9 1\nv 2 2.9 1\nv 2 2.9 2\nv 1 2.9 2\no lamp\nusemtl lamp\nf 9 10 11 12\nusemtl white\n";
 
     fn found(more: &str, kind: FindingKind) -> Option<Finding> {
+        found_in(PatchTarget::Size(0.5), more, kind)
+    }
+
+    fn found_in(target: PatchTarget, more: &str, kind: FindingKind) -> Option<Finding> {
         let scene = from_text("t", &format!("{ROOM}{more}"), MTL, None).unwrap();
-        let settings = MeshSettings { target: PatchTarget::Size(0.5), ..MeshSettings::default() };
+        let settings = MeshSettings { target, ..MeshSettings::default() };
         let mesh = build(&scene, &settings).unwrap();
         let findings = checkup(&scene, &mesh, &examine(&scene).crossings);
         findings.into_iter().rfind(|f| f.kind == kind)
     }
 
     #[test]
-    fn a_wall_through_the_floor_cuts_patches_and_one_on_it_does_not() {
+    fn a_wall_through_the_floor_cuts_patches_as_given_and_one_on_it_does_not() {
         let wall = "v 0.9 -0.5 2.3\nv 3.1 -0.5 2.3\nv 3.1 1 2.3\nv 0.9 1 2.3\no wall\nf 13 14 15 16\n";
-        let leak = found(wall, FindingKind::Leak).expect("patches are cut");
-        // The floor has 8 x 10 cells, and the wall runs through six of a row; its own cells end at the floor.
-        assert_eq!(leak.count, 6, "{leak:?}");
+        let leak = found_in(PatchTarget::AsGiven, wall, FindingKind::Leak).expect("the floor is cut");
+        assert!(leak.count >= 1, "{leak:?}");
         assert!(leak.places.edges.iter().flatten().all(|p| p.y.abs() < 1e-9 && (p.z - 2.3).abs() < 1e-9));
         assert!(leak.message.contains("in 'room')"), "{leak:?}");
         let standing = wall.replace("-0.5", "0");
-        assert!(found(&standing, FindingKind::Leak).is_none());
+        assert!(found_in(PatchTarget::AsGiven, &standing, FindingKind::Leak).is_none());
+        // Patches of a mesh of the program's own end at the wall.
+        assert!(found(wall, FindingKind::Leak).is_none());
     }
 
     #[test]

@@ -7,8 +7,8 @@ use crate::form_factors::Row;
 use crate::mesh::LightSearch;
 use crate::scene::{PlacedLamp, Scene, SceneSource};
 use crate::solve::{
-    self, Control, Prepared, Progress, Run, Solution, SolveSettings, Stage, Timings, patch_reflectance,
-    system,
+    self, Control, ElementLight, Prepared, Progress, Run, Solution, SolveSettings, Stage, Timings,
+    patch_reflectance, system,
 };
 use crate::solver::{LightBases, System};
 use crate::transport::Transport;
@@ -330,17 +330,18 @@ impl Worker<'_> {
             self.state.rows = rows.into_iter().map(Some).collect();
             let transport = assembled?;
             self.state.transport = Some(transport.clone());
-            self.settle_elements(&system)?;
+            self.settle_elements(&prepared, &system)?;
             if let Some(solution) = self.snapshot.solution_mut() {
                 solution.transport = Some(transport);
             }
             self.snapshot.unshot = None;
         }
-        if self.lay_out_elements(&prepared, &system)? {
-            self.settle_elements(&system)?;
+        let are_new = self.lay_out_elements(&prepared, &system)?;
+        // A recoloured material may call for three bands where one did.
+        if are_new || self.element_light().is_some_and(|elements| !elements.serves(&system)) {
+            self.settle_elements(&prepared, &system)?;
         }
-        let elements = self.snapshot.solution.as_ref().and_then(|solution| solution.element_light.as_ref());
-        let system = system.with_direct(elements.map(|elements| &elements.of_patches));
+        let system = system.with_direct(self.element_light().map(|elements| &elements.of_patches));
         let transport = self.state.transport.clone().ok_or(Failure::Cancelled)?;
         let start = self.state.bases.clone();
         let tolerance = self.state.settings.tolerance;
@@ -362,6 +363,10 @@ impl Worker<'_> {
         Ok(todo)
     }
 
+    fn element_light(&self) -> Option<&Arc<ElementLight>> {
+        self.snapshot.solution.as_ref()?.element_light.as_ref()
+    }
+
     /// Computes direct light on elements, unless that stands already, and shows it. Whether there was something to
     /// compute.
     fn lay_out_elements(&mut self, prepared: &Prepared, system: &System) -> Result<bool, Failure> {
@@ -376,11 +381,12 @@ impl Worker<'_> {
     }
 
     /// The transport stands that the light of the patches comes from, direct light included.
-    fn settle_elements(&mut self, system: &System) -> Result<(), Failure> {
+    fn settle_elements(&mut self, prepared: &Prepared, system: &System) -> Result<(), Failure> {
         let Some(transport) = self.state.transport.clone() else { return Ok(()) };
-        let laid_out = self.snapshot.solution.as_ref().and_then(|s| s.element_light.as_deref()).cloned();
-        let Some(elements) = laid_out else { return Ok(()) };
-        let settled = self.with_run(|run| run.settle(elements, transport.as_ref(), system))?;
+        let Some(elements) = self.element_light().map(|elements| ElementLight::clone(elements)) else {
+            return Ok(());
+        };
+        let settled = self.with_run(|run| run.settle(prepared, elements, transport.as_ref(), system))?;
         if let Some(solution) = self.snapshot.solution_mut() {
             solution.element_light = Some(Arc::new(settled));
         }

@@ -51,7 +51,7 @@ impl ElementLight {
             smooth: plan.is_on(Effect::SmoothSurfaces),
         };
         let elements = Elements::build(mesh, &light, &settings, watch)?;
-        Ok(Self::new(elements, light, mesh, (system.lamps, system.bands)))
+        Ok(Self::new(elements, light, mesh, system))
     }
 
     /// The same once the transport stands: where elements are too coarse to be trusted, or lie under something, patches
@@ -61,10 +61,12 @@ impl ElementLight {
     /// It was `cancelled`.
     pub fn settled(
         self,
+        mesh: &PatchMesh,
         transport: &dyn Transport,
         system: &System,
         cancelled: &(dyn Fn() -> bool + Sync),
     ) -> Result<Self, Cancelled> {
+        let means = means(&self.elements, &self.bases, mesh, (system.lamps, system.bands));
         let carried = direct_bases(transport, system, cancelled)?;
         let columns = system.columns();
         let trust = self.elements.trust_in_patches(system.patches());
@@ -75,7 +77,7 @@ impl ElementLight {
             let share = if transport.sees(i) { trust * transport.quality(i).open } else { 0.0 };
             for column in 0..columns {
                 let at = i * columns + column;
-                let (own, carried) = (self.of_patches.values[at], carried.values[at]);
+                let (own, carried) = (means.values[at], carried.values[at]);
                 let value = carried + share * (own - carried);
                 values.push(value);
                 sent[column] += system.areas[i] * row_sum * system.exitance(i, column);
@@ -96,35 +98,21 @@ impl ElementLight {
     }
 
     /// Elements of a mesh; the patches are taken to have the mean of what is on them.
-    fn new(
-        elements: Elements,
-        direct: DirectLight,
-        mesh: &PatchMesh,
-        (lamps, bands): (usize, usize),
-    ) -> Self {
+    fn new(elements: Elements, direct: DirectLight, mesh: &PatchMesh, system: &System) -> Self {
         let bases = direct.emitters().bases.clone();
-        let means = elements.patch_means(mesh, bases.len());
-        let patches = mesh.patches.len();
-        let mut values = vec![0.0_f32; patches * lamps * bands];
-        if !bases.is_empty() {
-            for (own, means) in values.chunks_exact_mut(lamps * bands).zip(means.chunks_exact(bases.len())) {
-                for (basis, &mean) in bases.iter().zip(means) {
-                    let grey = basis.weight.iter().sum::<f64>() / 3.0;
-                    for band in 0..bands {
-                        let weight = if bands == 1 { grey } else { basis.weight[band] };
-                        own[basis.lamp as usize * bands + band] += weight as f32 * mean;
-                    }
-                }
-            }
-        }
-        let of_patches = LightBases { patches, lamps, bands, values };
+        let of_patches = means(&elements, &bases, mesh, (system.lamps, system.bands));
         Self {
             elements: Arc::new(elements),
             direct: Arc::new(direct),
             bases,
             of_patches: Arc::new(of_patches),
-            scaling: vec![1.0; lamps * bands].into(),
+            scaling: vec![1.0; system.columns()].into(),
         }
+    }
+
+    /// Whether the patches have their direct light for the columns of this system.
+    pub fn serves(&self, system: &System) -> bool {
+        self.of_patches.values.len() == system.patches() * system.columns()
     }
 
     /// The light of the patches under `lighting` in two parts.
@@ -168,4 +156,28 @@ impl ElementLight {
     ) -> PatchLight {
         PatchLight { detail: Some(Arc::new(self.detail(&light, lighting, reflectance))), ..light }
     }
+}
+
+/// The means over the patches of the light on their elements, per luminaire and band.
+fn means(
+    elements: &Elements,
+    bases: &[Basis],
+    mesh: &PatchMesh,
+    (lamps, bands): (usize, usize),
+) -> LightBases {
+    let means = elements.patch_means(mesh, bases.len());
+    let patches = mesh.patches.len();
+    let mut values = vec![0.0_f32; patches * lamps * bands];
+    if !bases.is_empty() {
+        for (own, means) in values.chunks_exact_mut(lamps * bands).zip(means.chunks_exact(bases.len())) {
+            for (basis, &mean) in bases.iter().zip(means) {
+                let grey = basis.weight.iter().sum::<f64>() / 3.0;
+                for band in 0..bands {
+                    let weight = if bands == 1 { grey } else { basis.weight[band] };
+                    own[basis.lamp as usize * bands + band] += weight as f32 * mean;
+                }
+            }
+        }
+    }
+    LightBases { patches, lamps, bands, values }
 }

@@ -426,12 +426,13 @@ impl<'a> Run<'a> {
     /// The run was ended.
     pub fn settle(
         &self,
+        prepared: &Prepared,
         elements: ElementLight,
         transport: &dyn Transport,
         system: &System,
     ) -> Result<ElementLight, PipelineError> {
         let cancel = self.cancel;
-        Ok(elements.settled(transport, system, &|| cancel.load(Ordering::Relaxed))?)
+        Ok(elements.settled(&prepared.mesh, transport, system, &|| cancel.load(Ordering::Relaxed))?)
     }
 
     /// Makes the rows reciprocal and closed. They are emptied on the way, to make room; those that are left
@@ -507,7 +508,7 @@ impl Run<'_> {
         let (mut rows, start) = self.rows(prepared, &system, standing, &mut Vec::new())?;
         let elements = self.elements(prepared, &system)?;
         let transport = self.assemble(prepared, &mut rows)?;
-        let settle = |elements| self.settle(elements, transport.as_ref(), &system).map(Arc::new);
+        let settle = |elements| self.settle(prepared, elements, transport.as_ref(), &system).map(Arc::new);
         let elements = elements.map(settle).transpose()?;
         let system = system.with_direct(elements.as_ref().map(|elements| &elements.of_patches));
         let (bases, sweeps) =

@@ -92,6 +92,18 @@ pub(crate) fn solved(scene: &Arc<Scene>, settings: &SolveSettings) -> Solution {
         .expect("nothing stands against it")
 }
 
+/// The same without elements: all light, the lamps' too, is as the rows carry it.
+pub(crate) fn solved_by_rows(scene: &Arc<Scene>, settings: &SolveSettings) -> Solution {
+    let made = assembled(scene, settings);
+    let (bases, sweeps) = made.sweep(&made.system(None), settings.tolerance);
+    Solution {
+        transport: Some(made.transport.clone()),
+        bases: Arc::new(bases),
+        sweeps,
+        ..Solution::new(&made.prepared, settings)
+    }
+}
+
 /// The raw rows of every patch.
 pub(crate) fn rows(prepared: &Prepared) -> Vec<Row> {
     let computer = &prepared.computer;

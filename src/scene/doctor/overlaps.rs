@@ -39,7 +39,7 @@ pub(super) fn report(survey: &Survey<'_>, pairs: &Pairs, findings: &mut Vec<Find
         findings.push(
             Finding::new(FindingKind::Interpenetration, Severity::Note, message)
                 .counted(couples.len())
-                .with("visibility follows them exactly, but patches are not cut along them")
+                .with("visibility follows them exactly, and patches end there, except along short cuts")
                 .at(places),
         );
     }
