@@ -6,6 +6,8 @@
 
 pub mod watch;
 pub mod geometry;
+mod encoding;
+pub mod photometry;
 pub mod scene;
 pub mod mesh;
 pub mod effects;

@@ -7,7 +7,9 @@ use std::path::{Path, PathBuf};
 const ROOMS: &[(&str, &str)] = &[
     ("watch", ""),
     ("geometry", "watch"),
-    ("scene", "geometry watch"),
+    ("encoding", ""),
+    ("photometry", "encoding"),
+    ("scene", "encoding geometry watch"),
     ("mesh", "scene geometry watch"),
     ("effects", "mesh scene geometry"),
     ("visibility", "mesh geometry watch"),
@@ -42,7 +44,7 @@ const ROOMS: &[(&str, &str)] = &[
     ),
     (
         "cli",
-        "ui study outputs export render navigation display validate solve accuracy solver direct emitters form_factors \
+        "photometry ui study outputs export render navigation display validate solve accuracy solver direct emitters form_factors \
          effects mesh scene geometry",
     ),
 ];

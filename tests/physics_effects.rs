@@ -163,7 +163,8 @@ fn what_an_effect_costs_is_measured_where_it_is_on() {
     let cost =
         |of: &Solution, effect| of.plan.decisions.iter().find(|d| d.effect == effect).unwrap().measured;
     let visibility = cost(&with, Effect::Visibility).expect("measured").as_secs_f64();
-    assert!(visibility > 0.0 && visibility < with.timings.rows, "{visibility} of {}", with.timings.rows);
+    // How much it is depends on the clock.
+    assert!((0.0..=with.timings.rows).contains(&visibility), "{visibility} of {}", with.timings.rows);
     let without = solved(&convex_room([1.0; 3], [0.5; 3]), &lines(PatchTarget::Count(300)));
     assert_eq!(cost(&without, Effect::Visibility), None, "what is off takes nothing");
 }

@@ -1,6 +1,7 @@
 use super::failure::Failure;
 use super::lamps::LampOptions;
 use super::options::FrameOptions;
+use super::photometry;
 use super::report::severity_name;
 use super::text;
 use crate::mesh::{self, MeshSettings};
@@ -12,13 +13,13 @@ use std::path::{Path, PathBuf};
 /// Models of more surfaces take long to be cut into patches.
 const MOST_SURFACES: usize = 40_000;
 
-/// Tell what a file holds and what is wrong with it
+/// Tell what a file holds and what is wrong with it: a model, or a photometric file of a luminaire (IES, EULUMDAT)
 ///
 /// Exits with 1 where a part of the model had to be left out.
 #[derive(Args, Debug)]
 pub(super) struct Arguments {
-    /// An OBJ file, or builtin:NAME
-    #[arg(value_name = "SCENE")]
+    /// An OBJ file, builtin:NAME, or an .ies or .ldt file
+    #[arg(value_name = "FILE")]
     scene: String,
     #[command(flatten)]
     frame: FrameOptions,
@@ -30,6 +31,9 @@ pub(super) struct Arguments {
 }
 
 pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
+    if photometry::is_photometric(&arguments.scene) {
+        return text::print(&photometry::check(&arguments.scene)?);
+    }
     let scene = scene::load(&arguments.frame.source(&arguments.scene)?)?;
     let scene = arguments.lamps.add_to(scene)?;
     let mut findings = scene.findings.clone();

@@ -10,6 +10,7 @@ mod failure;
 mod interrupt;
 mod lamps;
 mod options;
+mod photometry;
 mod picture;
 mod plan;
 mod points;

@@ -1,7 +1,7 @@
 use super::plan::state_name;
 use crate::export::{
-    EffectReport, FindingReport, FormFactorReport, LampReport, MaterialReport, MeshReport, PowerReport,
-    Report, SceneReport, SettingsReport, SweepLine, TimingReport, peak_memory_bytes,
+    EffectReport, ElementReport, FindingReport, FormFactorReport, LampReport, MaterialReport, MeshReport,
+    PowerReport, Report, SceneReport, SettingsReport, SweepLine, TimingReport, peak_memory_bytes,
 };
 use crate::mesh::{PatchMesh, PatchTarget};
 use crate::scene::{Lighting, Scene, Severity};
@@ -85,11 +85,20 @@ pub(super) fn report(
                 measured_seconds: decision.measured.map(|time| time.as_secs_f64()),
             })
             .collect(),
+        elements: solved.element_light.as_deref().map(|light| ElementReport {
+            count: light.elements.leaves().count(),
+            corners: light.elements.corners.len(),
+            expected_error: light.elements.expected_error,
+            scaling: light.scaling.iter().fold([f64::INFINITY, 0.0], |[low, high], &factor| {
+                [low.min(f64::from(factor)), high.max(f64::from(factor))]
+            }),
+        }),
         timings: TimingReport {
             load: own.load,
             mesh: timings.mesh,
             plan: timings.plan,
             first_light: timings.first_light,
+            elements: timings.elements,
             rows: timings.rows,
             balance: timings.balance,
             sweeps: timings.sweeps,

@@ -16,6 +16,8 @@ pub struct Report {
     pub mesh: MeshReport,
     /// The rows.
     pub form_factors: FormFactorReport,
+    /// Direct light on elements; `null` where the rows carry it.
+    pub elements: Option<ElementReport>,
     /// The effect plan.
     pub effects: Vec<EffectReport>,
     /// Seconds by stage.
@@ -181,6 +183,19 @@ pub struct FormFactorReport {
     pub kept: f64,
 }
 
+/// Direct light on elements.
+#[derive(Clone, Debug, Serialize)]
+pub struct ElementReport {
+    /// Triangles that carry it.
+    pub count: usize,
+    /// Their corners.
+    pub corners: usize,
+    /// What part of the light there it is expected to be off by, RMS over the area.
+    pub expected_error: f64,
+    /// By what each lamp's light on the patches was scaled so that what it emits arrives: the least and the largest factor.
+    pub scaling: [f64; 2],
+}
+
 /// One line of the effect plan.
 #[derive(Clone, Debug, Serialize)]
 pub struct EffectReport {
@@ -209,6 +224,8 @@ pub struct TimingReport {
     pub plan: f64,
     /// Until direct light was everywhere, from the start of the rows.
     pub first_light: f64,
+    /// Direct light on elements.
+    pub elements: f64,
     /// All rows, first light included.
     pub rows: f64,
     /// Making rows reciprocal and closed.

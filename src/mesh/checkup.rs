@@ -157,7 +157,7 @@ mod tests {
         let leak = found_in(PatchTarget::AsGiven, wall, FindingKind::Leak).expect("the floor is cut");
         assert!(leak.count >= 1, "{leak:?}");
         assert!(leak.places.edges.iter().flatten().all(|p| p.y.abs() < 1e-9 && (p.z - 2.3).abs() < 1e-9));
-        assert!(leak.message.contains("in 'room')"), "{leak:?}");
+        assert!(leak.message.contains("in 'room' and 'wall'"), "{leak:?}");
         let standing = wall.replace("-0.5", "0");
         assert!(found_in(PatchTarget::AsGiven, &standing, FindingKind::Leak).is_none());
         // Patches of a mesh of the program's own end at the wall.

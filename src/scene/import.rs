@@ -11,7 +11,7 @@ use super::repair::repair_watched;
 use super::sidecar::{Sidecar, Source};
 use super::space::Space;
 use super::types::{FrameChoice, Scene, SceneSource};
-use super::{builtin, frame, mtl, names, obj, placed, polygons, sides, text, views};
+use super::{builtin, frame, mtl, names, obj, placed, polygons, sides, views};
 use crate::geometry::Aabb;
 use crate::watch::Watch;
 use glam::{DVec2, DVec3};
@@ -90,7 +90,7 @@ fn load_file(path: &Path, choice: FrameChoice, watch: &mut Watch<'_>) -> Result<
     let bytes = read_complete(path).map_err(|error| SceneError::reading(path, &error))?;
     let sidecar_path = sidecar_path(path);
     let sidecar = match read_complete(&sidecar_path) {
-        Ok(bytes) => Some((display(&sidecar_path), text::decode(&bytes).into_owned())),
+        Ok(bytes) => Some((display(&sidecar_path), crate::encoding::decode(&bytes).into_owned())),
         Err(error) if error.kind() == io::ErrorKind::NotFound => None,
         Err(error) => return Err(SceneError::reading(&sidecar_path, &error)),
     };
@@ -102,7 +102,7 @@ fn load_file(path: &Path, choice: FrameChoice, watch: &mut Watch<'_>) -> Result<
         source: SceneSource::File(path.to_owned()).framed(choice),
         choice,
         obj_file: display(path),
-        obj: &text::decode(&bytes),
+        obj: &crate::encoding::decode(&bytes),
         sidecar,
         files: Files::Folder { folder, cancelled },
     };

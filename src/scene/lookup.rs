@@ -1,6 +1,5 @@
 //! Where the files that a model names are looked for.
 
-use super::text;
 use std::io;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, SystemTime};
@@ -93,8 +92,9 @@ fn in_any_case(folder: &Path, name: &str) -> Option<PathBuf> {
         }
         let entries = std::fs::read_dir(if path.as_os_str().is_empty() { Path::new(".") } else { &path });
         let wanted = part.to_lowercase();
-        let alike =
-            |entry: &std::ffi::OsString| text::decode(entry.as_encoded_bytes()).to_lowercase() == wanted;
+        let alike = |entry: &std::ffi::OsString| {
+            crate::encoding::decode(entry.as_encoded_bytes()).to_lowercase() == wanted
+        };
         // The first by name, for the same answer on every system.
         path.push(entries.ok()?.flatten().map(|entry| entry.file_name()).filter(alike).min()?);
     }

@@ -1,5 +1,6 @@
 //! MTL text to materials.
 
+use super::SceneError;
 use super::finding::{Finding, FindingKind, Severity};
 use super::library::{Block, Index, Library, open};
 use super::lookup::Files;
@@ -9,7 +10,6 @@ use super::obj::{NO_MATERIAL, Scan};
 use super::tally::Remarks;
 use super::textures::Textures;
 use super::types::{MAX_REFLECTANCE, Material, Sides};
-use super::{SceneError, text};
 use std::f64::consts::PI;
 use std::fmt;
 
@@ -42,7 +42,7 @@ pub(super) fn read(
     let named: Vec<&str> = scan.libraries.iter().map(|(name, _)| name.as_str()).collect();
     let opened = open(&named, stem, uses_materials, files);
     for found in &opened.found {
-        library.scan(&found.path, &text::decode(&found.bytes))?;
+        library.scan(&found.path, &crate::encoding::decode(&found.bytes))?;
     }
     let mut remarks = std::mem::take(&mut library.remarks);
     for (number, name, reason) in &opened.missing {

@@ -5,7 +5,6 @@ use super::luminaires::selectors;
 use super::placed::LampEntry;
 use super::selection::lamps_of_entries;
 use super::sidecar::{LuminaireEntry, MaterialEntry, Sidecar, SidesKey, Source, UpKey, ViewEntry};
-use super::text;
 use super::types::{LampState, LengthUnit, Lighting, Luminaire, Scene, Sides, UpAxis};
 use std::io;
 use std::path::Path;
@@ -180,7 +179,7 @@ pub fn write_frame(path: &Path, unit: LengthUnit, up: UpAxis) -> Result<(), Scen
 /// The text of a file where there is one.
 fn existing(path: &Path) -> Result<Option<String>, SceneError> {
     match std::fs::read(path) {
-        Ok(bytes) => Ok(Some(text::decode(&bytes).into_owned())),
+        Ok(bytes) => Ok(Some(crate::encoding::decode(&bytes).into_owned())),
         Err(error) if error.kind() == io::ErrorKind::NotFound => Ok(None),
         Err(error) => Err(SceneError::reading(path, &error)),
     }

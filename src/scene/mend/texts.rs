@@ -1,5 +1,6 @@
 //! The texts of a mended copy: its OBJ written anew, its library and sidecar taken over.
 
+use crate::encoding::decode;
 use crate::scene::builtin;
 use crate::scene::error::SceneError;
 use crate::scene::import::sidecar_path;
@@ -10,7 +11,7 @@ use crate::scene::map::{Map, Placement, is_map};
 use crate::scene::selection::lamps_of_entries;
 use crate::scene::sidecar::{EmitsKey, LuminaireEntry, Source};
 use crate::scene::sides::partners;
-use crate::scene::text::{decode, keyword, logical_lines};
+use crate::scene::text::{keyword, logical_lines};
 use crate::scene::types::{Scene, SceneSource, Surface};
 use std::collections::HashMap;
 use std::fmt::Write as _;
