@@ -84,7 +84,7 @@ impl Case {
             let patch = &mesh.patches[i as usize];
             for k in 0..count {
                 let [r, s, ..] = Sobol::new(u64::from(i) + 7).point(k);
-                let (point, value) = witness.point_on(i, r, s);
+                let (point, _, value) = witness.point_on(i, r, s);
                 places.push((point, patch.normal));
                 shown.push((value, patch.area / f64::from(count)));
             }
@@ -123,9 +123,9 @@ fn the_witness_agrees_with_closed_forms() {
     for &i in case.receivers().iter().step_by(7) {
         let choice = witness.lamp_choice(i);
         let normal = mesh.patches[i as usize].normal;
-        let (point, _) = witness.point_on(i, random(i), random(i + 5000));
+        let (point, normal, _) = witness.point_on(i, random(i), random(i + 5000));
         let exact = case.direct(point, normal);
-        let found = witness.gather(i, Receiver::Point(point), &choice, 4096, u64::from(i)).constant;
+        let found = witness.gather(i, Receiver::Point(point, normal), &choice, 4096, u64::from(i)).constant;
         assert!((found - exact).abs() < 0.004 * exact.max(0.05), "{found} against {exact} at {point}");
         // The mean over the patch, by another rule.
         let points = (0..256).map(|k| Sobol::new(99).point(k)).map(|u| witness.point_on(i, u[0], u[1]).0);

@@ -274,6 +274,10 @@ impl<'a> Search<'a> {
         watch: &mut Watch<'_>,
     ) -> Result<Vec<Option<Buried>>, Cancelled> {
         watch.map(patches, |index, patch| {
+            // Each facet of a cluster has its own plane, and its side is lit as a whole or not at all.
+            if patch.is_cluster {
+                return None;
+            }
             let by_reach = self.scene.materials[patch.material as usize].sides != Sides::Both;
             let seed = (1 << 40) + 64 * index as u64;
             let frame = self.frame(2 * patch.region as usize + patch.side as usize);
