@@ -18,6 +18,8 @@ pub struct DirectLight {
     visibility: bool,
     /// What is nearer to a plane counts as in it, metres.
     thickness: f64,
+    /// Rays along each edge of an outline before which too many obstacles stand.
+    rays: u32,
 }
 
 /// What may hide each emitter from a cell; emitters that give it nothing are left out.
@@ -55,8 +57,10 @@ const MOST_BEAMS: usize = 8;
 /// What so many obstacles may hide is looked at by rays, so many along each edge of its outline.
 const MOST_OBSTACLES: usize = 512;
 const RAYS: u32 = 16;
+/// In models of a great many facets, where most of a surface is behind so many, fewer.
+const RAYS_AMONG_MANY: u32 = 10;
 /// On small facets fewer, by what part of all light an emitter may give at least.
-const FEW_RAYS: [(f64, u32); 3] = [(0.2, 4), (0.05, 3), (0.005, 2)];
+const FEW_RAYS: [(f64, f64); 3] = [(0.2, 20.0), (0.05, 9.0), (0.005, 4.0)];
 /// A shadow that may be there counts this part of one that is.
 const POSSIBLE: f64 = 0.05;
 
@@ -103,6 +107,7 @@ impl DirectLight {
             obstacles: Obstacles::new(mesh),
             visibility,
             thickness: THICKNESS * mesh.size,
+            rays: if mesh.clusters.is_empty() { RAYS } else { RAYS_AMONG_MANY },
         }
     }
 
@@ -276,7 +281,7 @@ impl DirectLight {
         beams.extend(edges.iter().step_by(step).map(|plane| (*plane, 0.0)));
         if obstacles.len() > MOST_OBSTACLES {
             let outline: Vec<DVec3> = clipper.fragments().flatten().copied().collect();
-            let share = self.share_by_rays(source, point, &outline, RAYS);
+            let share = self.share_by_rays(source, point, &outline, |_| self.rays);
             return share * clipper.fragments().map(|f| emitter.irradiance(normal, f)).sum::<f64>();
         }
         for &index in obstacles {
@@ -335,11 +340,11 @@ impl DirectLight {
         let whole: f64 = shares.iter().map(|share| share.0).sum();
         // 2. What of it is seen.
         for (&index, &(value, start, end)) in found.iter().zip(shares.iter()) {
-            let along = FEW_RAYS.iter().find(|(least, _)| value >= least * whole).map_or(1, |few| few.1);
-            let share = if self.visibility {
-                self.share_by_rays(index, point, &relative[start..end], along)
-            } else {
-                1.0
+            let rays = FEW_RAYS.iter().find(|(least, _)| value >= least * whole).map_or(1.0, |few| few.1);
+            let along = |share: f64| (share * rays).sqrt().round().max(1.0) as u32;
+            let share = match self.visibility {
+                true => self.share_by_rays(index, point, &relative[start..end], along),
+                false => 1.0,
             };
             if share > 0.0 {
                 for basis in &self.emitters.sources[index as usize].shares {
@@ -349,13 +354,19 @@ impl DirectLight {
         }
     }
 
-    /// The share of an outline that is seen, by rays to a grid over it.
-    fn share_by_rays(&self, source: u32, point: DVec3, corners: &[DVec3], along: u32) -> f64 {
+    /// The share of an outline that is seen, by rays to grids over its triangles: so many `along` their edges, by
+    /// their share of its area.
+    fn share_by_rays(&self, source: u32, point: DVec3, corners: &[DVec3], along: impl Fn(f64) -> u32) -> f64 {
         let emitter = &self.emitters.sources[source as usize].emitter;
-        let (mut whole, mut seen) = (0.0, 0.0);
-        for k in 1..corners.len().saturating_sub(1) {
-            let [a, b, c] = [corners[0], corners[k], corners[k + 1]];
-            let area = (b - a).cross(c - a).length();
+        let triangles =
+            || (1..corners.len().saturating_sub(1)).map(|k| [corners[0], corners[k], corners[k + 1]]);
+        let area_of = |[a, b, c]: [DVec3; 3]| (b - a).cross(c - a).length();
+        let whole: f64 = triangles().map(area_of).sum();
+        let mut seen = 0.0;
+        for triangle in triangles() {
+            let area = area_of(triangle);
+            let [a, b, c] = triangle;
+            let along = along(area / whole.max(f64::MIN_POSITIVE));
             let mut open = 0;
             for i in 0..along * along {
                 // Square to triangle, evenly (Turk 1990).
@@ -367,7 +378,6 @@ impl DirectLight {
                 });
                 open += u32::from(!hides);
             }
-            whole += area;
             seen += area * f64::from(open) / f64::from(along * along);
         }
         if whole > 0.0 { seen / whole } else { 0.0 }

@@ -21,6 +21,7 @@ mod pieces;
 mod reach;
 mod refinement;
 mod regions;
+mod shells;
 mod sizing;
 mod stretches;
 mod survey;
