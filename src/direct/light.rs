@@ -18,8 +18,8 @@ pub struct DirectLight {
     visibility: bool,
     /// What is nearer to a plane counts as in it, metres.
     thickness: f64,
-    /// Rays along each edge of an outline before which too many obstacles stand.
-    rays: u32,
+    /// Whether facets are a great many, so that most of a surface is behind too many obstacles for more than few rays.
+    among_many: bool,
 }
 
 /// What may hide each emitter from a cell; emitters that give it nothing are left out.
@@ -57,12 +57,17 @@ const MOST_BEAMS: usize = 8;
 /// What so many obstacles may hide is looked at by rays, so many along each edge of its outline.
 const MOST_OBSTACLES: usize = 512;
 const RAYS: u32 = 16;
-/// In models of a great many facets, where most of a surface is behind so many, fewer.
-const RAYS_AMONG_MANY: u32 = 10;
+/// In models of a great many facets, where most of a surface is behind so many, this many in all.
+const RAYS_AMONG_MANY: f64 = 100.0;
 /// On small facets fewer, by what part of all light an emitter may give at least.
-const FEW_RAYS: [(f64, f64); 3] = [(0.2, 20.0), (0.05, 9.0), (0.005, 4.0)];
+const FEW_RAYS: [(f64, f64); 3] = [(0.2, 16.0), (0.05, 8.0), (0.005, 4.0)];
 /// A shadow that may be there counts this part of one that is.
 const POSSIBLE: f64 = 0.05;
+
+/// Points along the edges of a grid of about so many.
+fn along_for(rays: f64) -> u32 {
+    rays.sqrt().round().max(1.0) as u32
+}
 
 impl Views {
     /// Of a small facet, which is looked at by rays and not divided.
@@ -107,7 +112,7 @@ impl DirectLight {
             obstacles: Obstacles::new(mesh),
             visibility,
             thickness: THICKNESS * mesh.size,
-            rays: if mesh.clusters.is_empty() { RAYS } else { RAYS_AMONG_MANY },
+            among_many: !mesh.clusters.is_empty(),
         }
     }
 
@@ -281,7 +286,8 @@ impl DirectLight {
         beams.extend(edges.iter().step_by(step).map(|plane| (*plane, 0.0)));
         if obstacles.len() > MOST_OBSTACLES {
             let outline: Vec<DVec3> = clipper.fragments().flatten().copied().collect();
-            let share = self.share_by_rays(source, point, &outline, |_| self.rays);
+            let along = |share| if self.among_many { along_for(share * RAYS_AMONG_MANY) } else { RAYS };
+            let share = self.share_by_rays(source, point, &outline, along);
             return share * clipper.fragments().map(|f| emitter.irradiance(normal, f)).sum::<f64>();
         }
         for &index in obstacles {
@@ -341,7 +347,7 @@ impl DirectLight {
         // 2. What of it is seen.
         for (&index, &(value, start, end)) in found.iter().zip(shares.iter()) {
             let rays = FEW_RAYS.iter().find(|(least, _)| value >= least * whole).map_or(1.0, |few| few.1);
-            let along = |share: f64| (share * rays).sqrt().round().max(1.0) as u32;
+            let along = |share| along_for(share * rays);
             let share = match self.visibility {
                 true => self.share_by_rays(index, point, &relative[start..end], along),
                 false => 1.0,
