@@ -14,7 +14,7 @@ use std::sync::Arc;
 /// How many patches are asked for.
 const ASKED: usize = 1500;
 
-/// A room of 4 m x 3 m x 5 m with a lamp in its ceiling, and a ball of such rings of facets, red below.
+/// A room of 4 m x 3 m x 5 m with a lamp in its ceiling, and a ball of such rings of flat fields, red below.
 fn room_with_ball(rings: usize, around: usize) -> Arc<Scene> {
     let mut m = Model::new();
     m.grey("wall", 0.6).grey("light", 0.7).paint("red", [0.6, 0.2, 0.2], [0.0; 3]);
@@ -76,7 +76,7 @@ fn means(solved: &Solution) -> Vec<(String, f64)> {
 #[test]
 fn a_ball_of_clusters_is_lit_and_lights_as_one_of_single_facets() {
     let single = solved(&room_with_ball(30, 36), &lines(PatchTarget::Count(ASKED)));
-    let shared = solved(&room_with_ball(72, 60), &lines(PatchTarget::Count(ASKED)));
+    let shared = solved(&room_with_ball(110, 60), &lines(PatchTarget::Count(ASKED)));
     assert!(single.mesh.clusters.is_empty());
     assert!(shared.mesh.clusters.len() > 50, "{} clusters", shared.mesh.clusters.len());
     let (patches, asked) = (shared.mesh.patches.len() as f64, ASKED as f64);
@@ -98,7 +98,7 @@ fn a_ball_of_clusters_is_lit_and_lights_as_one_of_single_facets() {
 
 #[test]
 fn rows_of_clusters_obey_the_laws_of_closed_scenes_before_they_are_balanced() {
-    let scene = room_with_ball(72, 60);
+    let scene = room_with_ball(110, 60);
     let prepared = prepare(scene, &lines(PatchTarget::Count(ASKED))).expect("a mesh");
     let mesh = &prepared.mesh;
     let rows = rows(&prepared);
