@@ -84,7 +84,7 @@ impl Case {
             let patch = &mesh.patches[i as usize];
             for k in 0..count {
                 let [r, s, ..] = Sobol::new(u64::from(i) + 7).point(k);
-                let (point, value) = witness.point_on(i, r, s);
+                let (point, _, value) = witness.point_on(i, r, s);
                 places.push((point, patch.normal));
                 shown.push((value, patch.area / f64::from(count)));
             }
@@ -119,13 +119,12 @@ fn black_room(key: u32, method: Method, resolution: u32) -> Case {
 #[test]
 fn the_witness_agrees_with_closed_forms() {
     let case = black_room(3, Method::Lines, 64);
-    let (witness, mesh) = (case.witness(), &case.solved.mesh);
+    let witness = case.witness();
     for &i in case.receivers().iter().step_by(7) {
         let choice = witness.lamp_choice(i);
-        let normal = mesh.patches[i as usize].normal;
-        let (point, _) = witness.point_on(i, random(i), random(i + 5000));
+        let (point, normal, _) = witness.point_on(i, random(i), random(i + 5000));
         let exact = case.direct(point, normal);
-        let found = witness.gather(i, Receiver::Point(point), &choice, 4096, u64::from(i)).constant;
+        let found = witness.gather(i, Receiver::Point(point, normal), &choice, 4096, u64::from(i)).constant;
         assert!((found - exact).abs() < 0.004 * exact.max(0.05), "{found} against {exact} at {point}");
         // The mean over the patch, by another rule.
         let points = (0..256).map(|k| Sobol::new(99).point(k)).map(|u| witness.point_on(i, u[0], u[1]).0);
@@ -156,7 +155,7 @@ fn intervals_hold_the_true_error_in_many_random_rooms() {
         for i in case.receivers() {
             let patch = &mesh.patches[i as usize];
             let points = (0..32).map(|k| Sobol::new(5).point(k)).map(|u| witness.point_on(i, u[0], u[1]));
-            let points: Vec<(f64, f64)> = points.map(|(p, s)| (s, case.direct(p, patch.normal))).collect();
+            let points: Vec<(f64, f64)> = points.map(|(p, _, s)| (s, case.direct(p, patch.normal))).collect();
             let truth = points.iter().map(|p| p.1).sum::<f64>() / 32.0;
             let row = luminance(light.irradiance[i as usize]);
             squares += patch.area * (row - truth).powi(2);
@@ -307,7 +306,7 @@ fn the_map_points_at_the_places_where_a_finer_solve_differs() {
             let points = (0..POINTS).map(|k| Sobol::new(u64::from(i) + 7).point(k));
             let (places, values): (Vec<_>, Vec<f64>) = points
                 .map(|u| witness.point_on(i, u[0], u[1]))
-                .map(|(p, shown)| ((p, mesh.patches[i as usize].normal), shown))
+                .map(|(p, normal, shown)| ((p, normal), shown))
                 .unzip();
             let exact = fine.irradiance_at(&places, &light);
             let squares = exact.iter().zip(&values).map(|(&h, v)| (luminance_weighted(h) - v).powi(2));

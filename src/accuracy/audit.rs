@@ -436,10 +436,10 @@ impl<'a> Audit<'a> {
         let weight = self.answer.mesh.patches[i].area / self.area / (own / all);
         let rho = luminance_weighted(self.answer.reflectance[i].map(f64::from));
         let choice = witness.lamp_choice(patch);
-        let (point, shown) = witness.point_on(patch, unit(key + 1), unit(key + 2));
+        let (point, normal, shown) = witness.point_on(patch, unit(key + 1), unit(key + 2));
         let relative = |h: f64| h / self.mean;
         let by_row = self.by_row[i];
-        let places = [Receiver::Whole, Receiver::Point(point)];
+        let places = [Receiver::Whole, Receiver::Point(point, normal)];
 
         // 1. A few rays, to see how many it takes: the variance falls as n^-1.5 across jumps.
         let mut cast = 0;

@@ -184,10 +184,10 @@ impl Check<'_> {
     /// over what the patch has. `None` under something that stands on the patch.
     fn relative_residual(&self, patch: u32, key: u64) -> Option<f64> {
         let own = luminance_weighted(self.answer.light.irradiance[patch as usize].map(f64::from));
-        let (point, shown) = self.witness.point_on(patch, unit(mix(key ^ 1)), unit(mix(key ^ 2)));
+        let (point, normal, shown) = self.witness.point_on(patch, unit(mix(key ^ 1)), unit(mix(key ^ 2)));
         let choice = self.witness.lamp_choice(patch);
         let [a, b] = [mix(key ^ 3), mix(key ^ 4)].map(|seed| {
-            self.witness.gather(patch, Receiver::Point(point), &choice, self.rays[1], seed).shown
+            self.witness.gather(patch, Receiver::Point(point, normal), &choice, self.rays[1], seed).shown
         });
         let is_covered = a == 0.0 && b == 0.0;
         // The shape that the picture gives to the light within a patch averages out, and its mean is not

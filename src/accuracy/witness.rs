@@ -40,8 +40,8 @@ impl Shown {
 /// Where irradiance is gathered.
 #[derive(Clone, Copy, Debug)]
 pub enum Receiver {
-    /// At one point of a patch.
-    Point(DVec3),
+    /// At one point, with the unit normal of its facet.
+    Point(DVec3, DVec3),
     /// As the mean over the whole patch.
     Whole,
 }
@@ -157,16 +157,18 @@ impl<'a> Witness<'a> {
         }
     }
 
-    /// Draws a point of a patch for two numbers in 0..1: place, and what the picture shows there
+    /// Draws a point of a patch for two numbers in 0..1: place, unit normal, and what the picture shows there
     /// (luminance of irradiance, W/m²).
-    pub fn point_on(&self, patch: u32, r: f64, s: f64) -> (DVec3, f64) {
+    pub fn point_on(&self, patch: u32, r: f64, s: f64) -> (DVec3, DVec3, f64) {
         let Some((triangle, [a, b, c])) = self.place_on(patch, r, s) else {
-            return (self.mesh.patches[patch as usize].centre, 0.0);
+            let patch = &self.mesh.patches[patch as usize];
+            return (patch.centre, patch.normal, 0.0);
         };
         let [p, q, t] = self.triangles[triangle as usize];
-        let side = self.mesh.patches[patch as usize].side as usize;
-        let shown = self.interpolated(&self.shown, 2 * triangle as usize + side, [a, b, c]);
-        (p * a + q * b + t * c, shown)
+        let side = self.mesh.patches[patch as usize].side;
+        let piece = &self.mesh.pieces[self.pieces[triangle as usize] as usize];
+        let shown = self.interpolated(&self.shown, 2 * triangle as usize + side as usize, [a, b, c]);
+        (p * a + q * b + t * c, self.mesh.normal_of(piece, side), shown)
     }
 
     /// Least and greatest irradiance that the picture shows on a patch, W/m² of luminance.
@@ -279,12 +281,14 @@ impl<'a> Witness<'a> {
         rays: u32,
         seed: u64,
     ) -> Gathered {
-        let normal = self.mesh.patches[patch as usize].normal;
         match receiver {
-            Receiver::Point(point) => self.gather_at(point, normal, choice, rays, seed),
+            Receiver::Point(point, normal) => self.gather_at(point, normal, choice, rays, seed),
             Receiver::Whole => {
-                let origin = |u: [f64; 4]| self.point_on(patch, u[2], u[3]).0;
-                self.gather_from(normal, origin, choice, rays, seed)
+                let start = |u: [f64; 4]| {
+                    let (point, normal, _) = self.point_on(patch, u[2], u[3]);
+                    (point, normal)
+                };
+                self.gather_from(start, choice, rays, seed)
             }
         }
     }
@@ -298,19 +302,17 @@ impl<'a> Witness<'a> {
         rays: u32,
         seed: u64,
     ) -> Gathered {
-        self.gather_from(normal, |_| point, choice, rays, seed)
+        self.gather_from(|_| (point, normal), choice, rays, seed)
     }
 
-    /// Each ray starts where `start` says for its four numbers in 0..1.
+    /// Each ray starts where `start` says for its four numbers in 0..1, above the surface with that unit normal.
     fn gather_from(
         &self,
-        normal: DVec3,
-        start: impl Fn([f64; 4]) -> DVec3,
+        start: impl Fn([f64; 4]) -> (DVec3, DVec3),
         choice: &LampChoice,
         rays: u32,
         seed: u64,
     ) -> Gathered {
-        let frame = Frame::around(normal);
         let to_lamps = if self.lamps.is_empty() { 0 } else { (rays / 4).max(16) };
         let density = |lamp: u32, g: f64| {
             // Both ways of sampling share what a lamp gives, in proportion to their densities.
@@ -325,7 +327,8 @@ impl<'a> Witness<'a> {
         let each = 1.0 / f64::from(rays.max(1));
         for k in 0..rays {
             let u = sequence.point(k);
-            let origin = start(u);
+            let (origin, normal) = start(u);
+            let frame = Frame::around(normal);
             let (radius, phi) = (u[0].sqrt(), TAU * u[1]);
             let cosine = (1.0 - u[0]).sqrt();
             let direction = frame.world(DVec3::new(radius * phi.cos(), radius * phi.sin(), cosine));
@@ -359,12 +362,12 @@ impl<'a> Witness<'a> {
         let sequence = Sobol::new(seed ^ 0x5851_F42D_4C95_7F2D);
         for k in 0..to_lamps {
             let u = sequence.point(k);
-            let origin = start(u);
+            let (origin, normal) = start(u);
             let at = choice.list.partition_point(|l| l.1 <= u[0]).min(choice.list.len() - 1);
             let (share, end) = choice.list[at];
             let r = ((u[0] - (end - share)) / share).clamp(0.0, 1.0 - 1e-12);
             let lamp = self.lamps[at].0;
-            let (target, _) = self.point_on(lamp, r, u[1]);
+            let (target, ..) = self.point_on(lamp, r, u[1]);
             let way = target - origin;
             let distance2 = way.length_squared();
             let cosines =

@@ -29,7 +29,12 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
     let patches = arguments.patches.target(scene.unit);
     let settings = SolveSettings { patches, effects, ..SolveSettings::default() };
     let prepared = prepare(scene, &settings)?;
-    let excess = prepared.mesh.statistics.excess().map_or(String::new(), |excess| excess + "\n");
+    let statistics = &prepared.mesh.statistics;
+    let excess: String = [statistics.excess(), statistics.clustering()]
+        .into_iter()
+        .flatten()
+        .map(|told| told + "\n")
+        .collect();
     let counts = format!(
         "{}: {}, {}\n{excess}\n",
         prepared.scene.name,

@@ -323,8 +323,9 @@ pub(super) fn summary(solved: &Solution, seconds: f64) -> String {
         settings.method.name(),
         settings.resolution.unwrap_or_else(|| settings.method.default_resolution()),
     );
-    if let Some(excess) = solved.mesh.statistics.excess() {
-        told += &format!("{excess}\n");
+    let statistics = &solved.mesh.statistics;
+    for sentence in [statistics.excess(), statistics.clustering()].into_iter().flatten() {
+        told += &format!("{sentence}\n");
     }
     match solved.sweeps.last() {
         Some(last) => {

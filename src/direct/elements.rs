@@ -45,6 +45,8 @@ pub struct Elements {
     pub roots: Vec<u32>,
     /// Where the values of each corner end in `values`.
     ends: Vec<u32>,
+    /// For each root the region that it lies on.
+    pub(super) regions: Vec<u32>,
     /// Basis and irradiance per unit of its exitance.
     values: Vec<(u32, f32)>,
     /// For each corner how far its light is to be trusted, 0 to 1: none where an element beside it is still coarse and
@@ -85,6 +87,7 @@ impl Elements {
                     let corners = [0, k, k + 1].map(|k| corner_on(&mut all, side, k));
                     all.roots.push(all.elements.len() as u32);
                     all.elements.push(Element { corners, patch, children: NO_ELEMENT, edge: 0 });
+                    all.regions.push(piece.region);
                 }
             }
         }
@@ -110,6 +113,16 @@ impl Elements {
     /// Positions of the corners of an element, metres.
     pub fn positions(&self, element: &Element) -> [DVec3; 3] {
         element.corners.map(|corner| self.corners[corner as usize].position)
+    }
+
+    /// Unit normal of the plane of an element, on its side: a patch may be a cluster of facets of many planes.
+    pub(super) fn normal(&self, element: &Element, mesh: &PatchMesh) -> DVec3 {
+        let patch = &mesh.patches[element.patch as usize];
+        if !patch.is_cluster {
+            return patch.normal;
+        }
+        let [a, b, c] = self.positions(element);
+        ((b - a).cross(c - a) * patch.side.sign()).normalize_or(patch.normal)
     }
 
     /// Area of an element, m².
@@ -211,7 +224,11 @@ impl Elements {
         for element in &self.elements {
             element.corners.iter().for_each(|&corner| used[corner as usize] = true);
         }
-        let mut kept = Self { roots: std::mem::take(&mut self.roots), ..Self::default() };
+        let mut kept = Self {
+            roots: std::mem::take(&mut self.roots),
+            regions: std::mem::take(&mut self.regions),
+            ..Self::default()
+        };
         let mut new = vec![0_u32; self.corners.len()];
         for (index, corner) in self.corners.iter().enumerate() {
             if used[index] {

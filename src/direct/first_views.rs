@@ -11,6 +11,8 @@ use std::sync::Arc;
 
 /// Triangles of a group at most.
 const MOST: usize = 16;
+/// A facet of a cluster is looked at by rays where its edge is less than this part of a patch's.
+const SLIGHT: f64 = 0.25;
 
 /// For each element, undivided as they are, what it may see.
 pub(super) fn first_views(
@@ -22,7 +24,11 @@ pub(super) fn first_views(
     let groups = groups(elements, mesh);
     let seen = watch.map(&groups, |_, group| {
         let mut scratch = Scratch::default();
-        let normal = mesh.patches[elements.elements[group[0] as usize].patch as usize].normal;
+        let first = &elements.elements[group[0] as usize];
+        let normal = elements.normal(first, mesh);
+        if is_slight(elements, group[0], mesh) {
+            return group.iter().map(|_| Views::sampled()).collect();
+        }
         let positions = |root: u32| elements.positions(&elements.elements[root as usize]);
         if let [root] = group[..] {
             return vec![light.views(&positions(root), normal, false, &mut scratch)];
@@ -40,6 +46,13 @@ pub(super) fn first_views(
     Ok(views)
 }
 
+/// Whether an element is a facet of a cluster so much smaller than a patch that shadows within it do not matter.
+fn is_slight(elements: &Elements, root: u32, mesh: &PatchMesh) -> bool {
+    let patch = &mesh.patches[elements.elements[root as usize].patch as usize];
+    let slight = SLIGHT * mesh.statistics.patch_size;
+    patch.is_cluster && mesh.regions[elements.regions[root as usize] as usize].area < slight * slight
+}
+
 /// The roots of each side of each region, halved along their longer axis until they are few. Those of buried patches
 /// are left out.
 fn groups(elements: &Elements, mesh: &PatchMesh) -> Vec<Vec<u32>> {
@@ -47,7 +60,7 @@ fn groups(elements: &Elements, mesh: &PatchMesh) -> Vec<Vec<u32>> {
     for (root, element) in (0_u32..).zip(&elements.elements) {
         let patch = &mesh.patches[element.patch as usize];
         if !patch.buried {
-            of_side.entry((patch.region, patch.side as u8)).or_default().push(root);
+            of_side.entry((elements.regions[root as usize], patch.side as u8)).or_default().push(root);
         }
     }
     let mut groups = Vec::new();
@@ -84,8 +97,7 @@ fn rectangle(
     root: u32,
     corners: impl Iterator<Item = DVec3>,
 ) -> [DVec3; 4] {
-    let patch = &mesh.patches[elements.elements[root as usize].patch as usize];
-    let region = &mesh.regions[patch.region as usize];
+    let region = &mesh.regions[elements.regions[root as usize] as usize];
     let local = corners.map(|corner| region.frame.local(corner - region.origin).truncate());
     let (low, high) = extent(local);
     [low, DVec2::new(high.x, low.y), high, DVec2::new(low.x, high.y)]

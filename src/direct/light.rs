@@ -18,6 +18,8 @@ pub struct DirectLight {
     visibility: bool,
     /// What is nearer to a plane counts as in it, metres.
     thickness: f64,
+    /// Whether facets are a great many, so that most of a surface is behind too many obstacles for more than few rays.
+    among_many: bool,
 }
 
 /// What may hide each emitter from a cell; emitters that give it nothing are left out.
@@ -28,6 +30,8 @@ pub struct Views {
     obstacles: Vec<u32>,
     /// Of a place that light may not reach, which sees sides that it does not reach either.
     anywhere: bool,
+    /// Of a facet so small that rays tell all that matters: emitters are looked for at each point.
+    is_sampled: bool,
 }
 
 /// Working memory of one thread.
@@ -40,6 +44,8 @@ pub struct Scratch {
     relative: Vec<DVec3>,
     found: Vec<u32>,
     edges: Vec<DVec3>,
+    /// What emitters give, and where their outlines lie in `relative`.
+    shares: Vec<(f64, usize, usize)>,
     /// Half-spaces that hold all that is between a point and an outline: normals and offsets.
     beams: Vec<(DVec3, f64)>,
 }
@@ -51,13 +57,32 @@ const MOST_BEAMS: usize = 8;
 /// What so many obstacles may hide is looked at by rays, so many along each edge of its outline.
 const MOST_OBSTACLES: usize = 512;
 const RAYS: u32 = 16;
+/// In models of a great many facets, where most of a surface is behind so many, this many in all.
+const RAYS_AMONG_MANY: f64 = 100.0;
+/// On small facets fewer, by what part of all light an emitter may give at least.
+const FEW_RAYS: [(f64, f64); 3] = [(0.2, 16.0), (0.05, 8.0), (0.005, 4.0)];
 /// A shadow that may be there counts this part of one that is.
 const POSSIBLE: f64 = 0.05;
 
+/// Points along the edges of a grid of about so many.
+fn along_for(rays: f64) -> u32 {
+    rays.sqrt().round().max(1.0) as u32
+}
+
 impl Views {
+    /// Of a small facet, which is looked at by rays and not divided.
+    pub(super) fn sampled() -> Self {
+        Self { is_sampled: true, ..Self::default() }
+    }
+
+    /// Whether each point looks for itself, by rays.
+    pub(super) fn is_sampled(&self) -> bool {
+        self.is_sampled
+    }
+
     /// Whether nothing shines there.
     pub fn is_dark(&self) -> bool {
-        self.sources.is_empty()
+        self.sources.is_empty() && !self.is_sampled
     }
 
     /// How many emitters may be seen.
@@ -87,6 +112,7 @@ impl DirectLight {
             obstacles: Obstacles::new(mesh),
             visibility,
             thickness: THICKNESS * mesh.size,
+            among_many: !mesh.clusters.is_empty(),
         }
     }
 
@@ -223,6 +249,9 @@ impl DirectLight {
         scratch: &mut Scratch,
         mut add: impl FnMut(u32, f64),
     ) {
+        if views.is_sampled {
+            return self.sample(point, normal, scratch, add);
+        }
         for (source, obstacles) in views.iter() {
             let value = self.irradiance(source, (point, normal), obstacles, views.anywhere, scratch);
             if value > 0.0 {
@@ -256,7 +285,9 @@ impl DirectLight {
         let step = edges.len().div_ceil(MOST_BEAMS).max(1);
         beams.extend(edges.iter().step_by(step).map(|plane| (*plane, 0.0)));
         if obstacles.len() > MOST_OBSTACLES {
-            let share = self.share_by_rays(source, point, clipper.fragments().flatten().copied());
+            let outline: Vec<DVec3> = clipper.fragments().flatten().copied().collect();
+            let along = |share| if self.among_many { along_for(share * RAYS_AMONG_MANY) } else { RAYS };
+            let share = self.share_by_rays(source, point, &outline, along);
             return share * clipper.fragments().map(|f| emitter.irradiance(normal, f)).sum::<f64>();
         }
         for &index in obstacles {
@@ -292,27 +323,68 @@ impl DirectLight {
         clipper.fragments().map(|f| emitter.irradiance(normal, f)).sum()
     }
 
-    /// The share of an outline that is seen, by rays to a grid over it.
-    fn share_by_rays(&self, source: u32, point: DVec3, outline: impl Iterator<Item = DVec3>) -> f64 {
+    /// As [`Self::gather`], of all emitters and by few rays: more to those that would give the more.
+    fn sample(&self, point: DVec3, normal: DVec3, scratch: &mut Scratch, mut add: impl FnMut(u32, f64)) {
+        let Scratch { clipper, outline, found, relative, shares, .. } = scratch;
+        // 1. What each would give unhindered.
+        found.clear();
+        shares.clear();
+        relative.clear();
+        for (index, source) in (0_u32..).zip(&self.emitters.sources) {
+            if source.emitter.outline(point, outline).is_none() {
+                continue;
+            }
+            clipper.start(outline, normal);
+            let start = relative.len();
+            relative.extend(clipper.fragments().flatten());
+            let value: f64 = clipper.fragments().map(|f| source.emitter.irradiance(normal, f)).sum();
+            if value > 0.0 {
+                found.push(index);
+                shares.push((value, start, relative.len()));
+            }
+        }
+        let whole: f64 = shares.iter().map(|share| share.0).sum();
+        // 2. What of it is seen.
+        for (&index, &(value, start, end)) in found.iter().zip(shares.iter()) {
+            let rays = FEW_RAYS.iter().find(|(least, _)| value >= least * whole).map_or(1.0, |few| few.1);
+            let along = |share| along_for(share * rays);
+            let share = match self.visibility {
+                true => self.share_by_rays(index, point, &relative[start..end], along),
+                false => 1.0,
+            };
+            if share > 0.0 {
+                for basis in &self.emitters.sources[index as usize].shares {
+                    add(basis.basis, basis.factor * share * value);
+                }
+            }
+        }
+    }
+
+    /// The share of an outline that is seen, by rays to grids over its triangles: so many `along` their edges, by
+    /// their share of its area.
+    fn share_by_rays(&self, source: u32, point: DVec3, corners: &[DVec3], along: impl Fn(f64) -> u32) -> f64 {
         let emitter = &self.emitters.sources[source as usize].emitter;
-        let corners: Vec<DVec3> = outline.collect();
-        let (mut whole, mut seen) = (0.0, 0.0);
-        for k in 1..corners.len().saturating_sub(1) {
-            let [a, b, c] = [corners[0], corners[k], corners[k + 1]];
-            let area = (b - a).cross(c - a).length();
+        let triangles =
+            || (1..corners.len().saturating_sub(1)).map(|k| [corners[0], corners[k], corners[k + 1]]);
+        let area_of = |[a, b, c]: [DVec3; 3]| (b - a).cross(c - a).length();
+        let whole: f64 = triangles().map(area_of).sum();
+        let mut seen = 0.0;
+        for triangle in triangles() {
+            let area = area_of(triangle);
+            let [a, b, c] = triangle;
+            let along = along(area / whole.max(f64::MIN_POSITIVE));
             let mut open = 0;
-            for i in 0..RAYS * RAYS {
+            for i in 0..along * along {
                 // Square to triangle, evenly (Turk 1990).
-                let (u, v) = ((f64::from(i % RAYS) + 0.5) / f64::from(RAYS), f64::from(i / RAYS) + 0.5);
-                let (root, v) = (u.sqrt(), v / f64::from(RAYS));
+                let (u, v) = ((f64::from(i % along) + 0.5) / f64::from(along), f64::from(i / along) + 0.5);
+                let (root, v) = (u.sqrt(), v / f64::from(along));
                 let to = a * (1.0 - root) + b * (root * (1.0 - v)) + c * (root * v);
                 let hides = self.obstacles.hides(point, point + to, 5.0 * self.thickness, |obstacle| {
                     !emitter.is_part(obstacle.region)
                 });
                 open += u32::from(!hides);
             }
-            whole += area;
-            seen += area * f64::from(open) / f64::from(RAYS * RAYS);
+            seen += area * f64::from(open) / f64::from(along * along);
         }
         if whole > 0.0 { seen / whole } else { 0.0 }
     }

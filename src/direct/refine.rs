@@ -213,7 +213,8 @@ impl Refinement<'_> {
         let mut wanted: Vec<(u32, usize)> = Vec::new();
         let first = self.elements.corners.len() as u32;
         for &index in fresh {
-            if self.views[index as usize].is_dark() {
+            let views = &self.views[index as usize];
+            if views.is_dark() || views.is_sampled() {
                 continue;
             }
             let element = self.elements.elements[index as usize];
@@ -265,7 +266,7 @@ impl Refinement<'_> {
     fn error_of(&self, index: u32) -> f64 {
         let views = &self.views[index as usize];
         let element = &self.elements.elements[index as usize];
-        if views.is_dark() || self.mean <= 0.0 {
+        if views.is_dark() || views.is_sampled() || self.mean <= 0.0 {
             return 0.0;
         }
         let (mut square, mut count) = (0.0, 0.0);
@@ -375,7 +376,8 @@ impl Refinement<'_> {
         // 1. Edges to divide: the longest of each leaf, and of each leaf that has one of them.
         let mut owners: HashMap<(u32, u32), [u32; 2]> = HashMap::new();
         for (index, element) in self.elements.elements.iter().enumerate() {
-            if element.children != NO_ELEMENT {
+            // Small facets have no neighbours of their plane that are not small.
+            if element.children != NO_ELEMENT || self.views[index].is_sampled() {
                 continue;
             }
             for k in 0..3 {
@@ -454,7 +456,7 @@ impl Refinement<'_> {
                 if element.children != NO_ELEMENT || views.is_clear() || area > NARROWED * seen_from {
                     return (views.clone(), seen_from);
                 }
-                let normal = mesh.patches[element.patch as usize].normal;
+                let normal = self.elements.normal(element, mesh);
                 let cell = self.elements.positions(element);
                 let narrowed = with_scratch(|scratch| self.light.narrowed(views, &cell, normal, scratch));
                 (Arc::new(narrowed), area)

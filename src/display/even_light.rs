@@ -69,13 +69,16 @@ fn open_before(mesh: &PatchMesh, bvh: &Bvh, reach: f64, index: u32, patch: &Patc
     let pieces: Vec<_> = mesh.pieces_of(patch).collect();
     // Patches turn their rays unlike their neighbours, so that no pattern shows.
     let turn = TAU * f64::from(index.wrapping_mul(2_654_435_769) >> 8) / f64::from(1 << 24);
-    let frame = Frame::around(patch.normal).turned(turn);
-    let lifted = patch.normal * (1e-5 * mesh.size).min(0.01 * reach);
+    let lift = (1e-5 * mesh.size).min(0.01 * reach);
     let mut sum = 0.0;
     for k in 0..RAYS {
         // Spread over the patch: half-way from the middle of a piece to one of its corners.
-        let from = match pieces.get(k as usize % pieces.len().max(1)) {
+        let n = pieces.len();
+        let spread = if n > RAYS as usize { k as usize * n / RAYS as usize } else { k as usize % n.max(1) };
+        let mut normal = patch.normal;
+        let from = match pieces.get(spread) {
             Some(piece) => {
+                normal = mesh.normal_of(piece, patch.side);
                 let corners = mesh.corners_of(piece);
                 let at = |k: usize| mesh.vertices[corners[k % corners.len()].vertex as usize];
                 let middle = (0..corners.len()).map(at).sum::<DVec3>() / corners.len() as f64;
@@ -87,7 +90,8 @@ fn open_before(mesh: &PatchMesh, bvh: &Bvh, reach: f64, index: u32, patch: &Patc
         let share = (f64::from(k) + 0.5) / f64::from(RAYS);
         let (sin, cos) = (2.399_963_229_728_653 * f64::from(k)).sin_cos();
         let local = DVec3::new(share.sqrt() * cos, share.sqrt() * sin, (1.0 - share).sqrt());
-        let ray = Ray { origin: from + lifted, direction: frame.world(local) };
+        let frame = Frame::around(normal).turned(turn);
+        let ray = Ray { origin: from + normal * lift, direction: frame.world(local) };
         let met = bvh.nearest(&ray, 0.0, reach);
         sum += met.map_or(1.0, |hit| hit.distance / reach);
     }

@@ -119,8 +119,7 @@ impl DisplayMesh {
         };
         built.find_textures(mesh, scene);
         let ShadingVertices { vertices, incidences, of_corner } = ShadingVertices::find(mesh, smooth);
-        let centres: Vec<DVec3> = mesh.patches.iter().map(|p| p.centre).collect();
-        built.weights = VertexWeights::build(&vertices, incidences, &centres);
+        built.weights = VertexWeights::build(&vertices, incidences, mesh);
         let places = match elements {
             Some(elements) => {
                 built.elements = Some(Arc::clone(elements));

@@ -1,3 +1,4 @@
+use crate::mesh::PatchMesh;
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 use std::f64::consts::TAU;
@@ -43,21 +44,27 @@ pub(super) struct VertexWeights {
 
 impl VertexWeights {
     /// Finds the weights. `incidences` pairs vertices with the patches that touch them, in any
-    /// order; every vertex has one at least. `centres` are those of the patches, metres.
+    /// order; every vertex has one at least. On clusters light depends on place and normal alone, whatever patches
+    /// meet.
     pub(super) fn build(
         vertices: &[ShadingVertex],
         mut incidences: Vec<(u32, u32)>,
-        centres: &[DVec3],
+        mesh: &PatchMesh,
     ) -> Self {
+        let patch = |p: u32| &mesh.patches[p as usize];
         let around_vertex = Table::new(vertices.len(), &mut incidences);
         let mut turned: Vec<(u32, u32)> = incidences.iter().map(|&(vertex, patch)| (patch, vertex)).collect();
-        let around_patch = Table::new(centres.len(), &mut turned);
+        turned.retain(|&(p, _)| !patch(p).is_cluster);
+        let around_patch = Table::new(mesh.patches.len(), &mut turned);
         let lists: Vec<Vec<(u32, f32)>> = vertices
             .par_iter()
             .enumerate()
             .with_min_len(256)
             .map(|(index, vertex)| {
                 let mut patches = around_vertex.row(index).to_vec();
+                if let Some(&cluster) = patches.iter().find(|&&p| patch(p).is_cluster) {
+                    return mesh.clusters.around((cluster, patch(cluster)), vertex.position, vertex.normal);
+                }
                 if vertex.angle < CLOSED_TURN {
                     let near = around_vertex.row(index).iter();
                     let next = near.flat_map(|&p| around_patch.row(p as usize));
@@ -68,7 +75,7 @@ impl VertexWeights {
                     ring.retain(|p| !patches.contains(p));
                     patches.extend(ring);
                 }
-                let offsets = patches.iter().map(|&p| centres[p as usize] - vertex.position);
+                let offsets = patches.iter().map(|&p| patch(p).centre - vertex.position);
                 let weights = plane_weights(&tangential(vertex.normal, offsets));
                 patches.into_iter().zip(weights.into_iter().map(|w| w as f32)).collect()
             })
@@ -80,7 +87,12 @@ impl VertexWeights {
             sum += list.len() as u32;
             sum
         }));
-        let touching = (0..vertices.len()).map(|v| around_vertex.row(v).len() as u32).collect();
+        let touching = |v: usize| {
+            let touching = around_vertex.row(v);
+            let is_shared = touching.iter().any(|&p| patch(p).is_cluster);
+            if is_shared { lists[v].len() as u32 } else { touching.len() as u32 }
+        };
+        let touching = (0..vertices.len()).map(touching).collect();
         Self { starts, entries: lists.concat(), touching }
     }
 

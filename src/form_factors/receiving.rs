@@ -1,6 +1,6 @@
 //! The points of a patch at which its row is gathered.
 
-use crate::geometry::polygon;
+use crate::geometry::{Frame, polygon};
 use crate::mesh::{Patch, PatchMesh};
 use glam::DVec3;
 
@@ -114,6 +114,32 @@ pub(super) fn points_of(mesh: &PatchMesh, patch: &Patch, how: ReceivingPoints) -
         }
     }
     shares(points, patch)
+}
+
+/// Points of a cluster, each with the frame of its facet, spread evenly over the area in the order of the facets.
+pub(super) fn points_of_cluster(mesh: &PatchMesh, patch: &Patch, count: u32) -> Vec<(DVec3, Frame)> {
+    let mut points = Vec::with_capacity(count as usize);
+    let step = patch.area / f64::from(count.max(1));
+    let (mut passed, mut next) = (0.0, 0.5 * step);
+    for piece in mesh.pieces_of(patch) {
+        passed += piece.area;
+        if next >= passed || points.len() >= count as usize {
+            continue;
+        }
+        let corners = mesh.polygon(piece, patch.side);
+        let frame = Frame::along(mesh.normal_of(piece, patch.side), corners[1] - corners[0]);
+        // A facet that several points fall on gives them places of their own: towards one corner after the other.
+        let middle = corners.iter().sum::<DVec3>() / corners.len() as f64;
+        for k in 0.. {
+            if next >= passed || points.len() >= count as usize {
+                break;
+            }
+            let share = if k == 0 { 0.0 } else { 0.5 };
+            points.push((middle.lerp(corners[k % corners.len()], share), frame));
+            next += step;
+        }
+    }
+    points
 }
 
 /// Products of a Gauss rule on the bilinear map of a quadrilateral, with their area.

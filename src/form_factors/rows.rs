@@ -2,11 +2,11 @@
 
 use super::closed_form::point_to_polygon;
 use super::convex::{ConvexRows, ConvexScratch};
-use super::receiving::{ReceivingPoints, points_of};
+use super::receiving::{ReceivingPoints, points_of, points_of_cluster};
 use super::{Fan, Hemicube, HemicubeSampler, LineSampler, Method, Row, RowBuffer, Viewpoint, ray_rows};
 use crate::effects;
 use crate::geometry::Frame;
-use crate::mesh::{Patch, PatchMesh, Side};
+use crate::mesh::{Patch, PatchMesh, Piece, Side};
 use crate::visibility::{Occluders, RayScene, Viewer};
 use crate::watch::Cancelled;
 use glam::{DVec2, DVec3};
@@ -81,6 +81,8 @@ enum Purpose {
     OneOf(ReceivingPoints),
     Lamp,
     FreePoint,
+    /// One of so many of a cluster.
+    Facet(u32),
 }
 
 #[derive(Clone, Debug)]
@@ -100,6 +102,17 @@ pub struct Sampling {
     pub resolution: Option<u32>,
     /// At how many points of a patch.
     pub points: ReceivingPoints,
+}
+
+/// Rays that stand in for the usual number of half-planes where facets are many.
+const RAYS: u32 = 2048;
+/// Points of a cluster that its row is gathered at, by rays and by hemicubes.
+const CLUSTER_POINTS: [u32; 2] = [16, 4];
+
+/// Rays that stand in for so many half-planes.
+fn rays_for(half_planes: u32) -> u32 {
+    let usual = Method::Lines.default_resolution();
+    (f64::from(half_planes) / f64::from(usual) * f64::from(RAYS)).ceil() as u32
 }
 
 /// How many times as many half-planes a lamp's row has.
@@ -155,6 +168,8 @@ impl RowComputer {
         let Sampling { method, resolution, points } = sampling;
         let resolution = resolution.unwrap_or(method.default_resolution());
         let sampler = match method {
+            // Lines pay for every region before a point, rays for the depth of a tree.
+            Method::Lines if !mesh.clusters.is_empty() => Sampler::Rays(rays_for(resolution)),
             Method::Lines => Sampler::Lines(Fans {
                 full: Fan::new(resolution),
                 coarse: Fan::new((f64::from(resolution) * COARSE).ceil() as u32),
@@ -253,6 +268,9 @@ impl RowComputer {
         if !self.visibility {
             return self.unoccluded_row(patch, scratch);
         }
+        if p.is_cluster {
+            return self.cluster_row(patch, scratch);
+        }
         let frame = self.frame(patch);
         let purpose = if p.luminaire.is_some() { Purpose::Lamp } else { Purpose::Centre };
         let wanted = match self.points {
@@ -297,6 +315,27 @@ impl RowComputer {
         }
         scratch.row.set_weight(1.0);
         Row { points: at, covered, open, ..scratch.row.take() }
+    }
+
+    /// The row of a cluster: the mean of those of points of its facets.
+    fn cluster_row(&self, patch: u32, scratch: &mut RowScratch) -> Row {
+        let count = match self.sampler {
+            Sampler::Rays(_) => CLUSTER_POINTS[0],
+            Sampler::Lines(_) | Sampler::Hemicube(..) => CLUSTER_POINTS[1],
+        };
+        let points = points_of_cluster(&self.mesh, &self.mesh.patches[patch as usize], count);
+        let is_open = |(point, frame): &&(DVec3, Frame)| !self.rays.covered(*point, frame);
+        let open: Vec<(DVec3, Frame)> = points.iter().filter(is_open).copied().collect();
+        // Where all lie under something, the little that they see counts, as on other patches.
+        let (seen, share) =
+            if open.is_empty() { (&points, 0.0) } else { (&open, open.len() as f32 / points.len() as f32) };
+        for (k, &(point, frame)) in seen.iter().enumerate() {
+            scratch.row.set_weight(1.0 / seen.len() as f64);
+            let turn = turn_of(patch) + k as f64 / seen.len() as f64;
+            self.gather(point, frame, turn, Purpose::Facet(seen.len() as u32), scratch);
+        }
+        scratch.row.set_weight(1.0);
+        Row { open: share, ..scratch.row.take() }
     }
 
     /// How many times as many half-planes a row that a shadow's edge crosses takes as one gathered at its
@@ -437,14 +476,14 @@ impl RowComputer {
     fn gather(&self, point: DVec3, frame: Frame, turn: f64, purpose: Purpose, scratch: &mut RowScratch) {
         let viewer = match purpose {
             Purpose::FreePoint => Viewer::Anywhere,
-            Purpose::Centre | Purpose::OneOf(_) | Purpose::Lamp => Viewer::LitSurface,
+            Purpose::Centre | Purpose::OneOf(_) | Purpose::Facet(_) | Purpose::Lamp => Viewer::LitSurface,
         };
         match &self.sampler {
             Sampler::Lines(fans) => {
                 let fan = match purpose {
                     Purpose::Centre | Purpose::FreePoint => &fans.full,
                     Purpose::OneOf(ReceivingPoints::Sixteen) => &fans.coarser,
-                    Purpose::OneOf(_) => &fans.coarse,
+                    Purpose::OneOf(_) | Purpose::Facet(_) => &fans.coarse,
                     Purpose::Lamp => &fans.fine,
                 };
                 let from = Viewpoint { point, frame, turn, viewer };
@@ -460,6 +499,7 @@ impl RowComputer {
             Sampler::Rays(count) => {
                 let count = match purpose {
                     Purpose::OneOf(points) => count.div_ceil(points.count()),
+                    Purpose::Facet(points) => count.div_ceil(points),
                     Purpose::Centre | Purpose::Lamp | Purpose::FreePoint => *count,
                 };
                 ray_rows::gather(&self.rays, count, point, (&frame, turn), viewer, &mut scratch.row);
@@ -504,7 +544,7 @@ impl RowComputer {
             return;
         }
         for (index, patch) in self.mesh.patches.iter().enumerate() {
-            if patch.normal.dot(point - patch.centre) > contact {
+            if patch.is_cluster || patch.normal.dot(point - patch.centre) > contact {
                 let value = self.unoccluded(point, normal, index as u32);
                 if value > 0.0 {
                     scratch.row.add(index as u32, value);
@@ -516,8 +556,16 @@ impl RowComputer {
     /// Closed form from a point to a whole patch.
     pub fn unoccluded(&self, point: DVec3, normal: DVec3, patch: u32) -> f64 {
         let patch = &self.mesh.patches[patch as usize];
+        // Facets of a cluster face this way and that.
+        let faces = |piece: &&Piece| {
+            !patch.is_cluster || {
+                let region = &self.mesh.regions[piece.region as usize];
+                self.mesh.normal_of(piece, patch.side).dot(point - region.origin) > self.occluders.contact()
+            }
+        };
         self.mesh
             .pieces_of(patch)
+            .filter(faces)
             .map(|piece| point_to_polygon(point, normal, &self.mesh.polygon(piece, Side::Front)))
             .sum()
     }

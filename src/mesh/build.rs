@@ -1,6 +1,7 @@
 use super::backing::{Backing, Sheets};
+use super::clusters::{self, Clusters, Facet};
 use super::contacts::Contacts;
-use super::grading::Lamps;
+use super::grading::{Grading, Lamps};
 use super::patches;
 use super::pieces::{self, Cut, Grid};
 use super::reach::{Buried, LightSearch, Reach, Search};
@@ -154,7 +155,9 @@ pub fn build_on(
     // 1. Choose the patch size and cut.
     let lamps = Lamps::new(scene, outlines, &sides, size);
     let mut finer = Finer::new(lamps, settings.refinement.as_deref());
-    let patch_size = sizing::patch_size(scene, settings.target, outlines, &sides, &mut finer)?;
+    let sizing = sizing::patch_size(scene, settings.target, outlines, &sides, &mut finer)?;
+    let patch_size = sizing.edge;
+    let mut facets: Vec<Facet> = Vec::new();
     let asked = sizing::count_asked(scene, settings.target);
     let mut mesh = PatchMesh { size, ..PatchMesh::default() };
     let contacts = Contacts::new(if as_given { &[] } else { outlines }, size, watch.cancelled())?;
@@ -167,15 +170,26 @@ pub fn build_on(
             patches::group_by_surface(&mesh, region.pieces.clone())
         } else {
             let grid = Grid::new(outline, patch_size);
-            let grading = finer.on(index, outline, sides[index], patch_size);
-            let mut lines = contacts.on(index, outline, grading.shortest(&grid));
+            let shares = sizing.clusters.is_some() && sizing::is_small(outline, patch_size);
+            let (grading, mut lines) = if shares {
+                (Grading::none(), Vec::new())
+            } else {
+                let grading = finer.on(index, outline, sides[index], patch_size);
+                let lines = contacts.on(index, outline, grading.shortest(&grid));
+                (grading, lines)
+            };
             let cuts: Vec<Cut> = pieces::cut(outline, &grid, &mut lines, &grading);
             pieces::append(&mut mesh, outline, &grid, &cuts);
             let lines: Vec<[DVec2; 2]> = lines.iter().map(|contact| contact.ends).collect();
             let pieces = mesh.regions[index].pieces.clone();
-            let groups = patches::group_by_cell(&mesh, pieces, &grid, &cuts, &lines);
             mesh.contacts.push(lines);
-            groups
+            if shares {
+                mesh.convex.append(index as u32, outline);
+                mark_backed(&mut mesh, sheets, index);
+                facets.extend(small_facets(&mesh, pieces, sides[index]));
+                continue;
+            }
+            patches::group_by_cell(&mesh, pieces, &grid, &cuts, &mesh.contacts[index])
         };
         mesh.convex.append(index as u32, outline);
         // 2. One patch per group and lit side; none where another surface lies on the back.
@@ -190,6 +204,9 @@ pub fn build_on(
             }
         }
     }
+    // 3. What small faces share.
+    let wanted = sizing.clusters.unwrap_or(f64::INFINITY);
+    Clusters::append(&mut mesh, scene, &facets, (wanted, patch_size), settings.textures);
     if mesh.patches.is_empty() {
         return Err(MeshError::Empty);
     }
@@ -247,6 +264,23 @@ fn blockers(outlines: &[Outline], size: f64) -> Vec<Vec<DVec3>> {
     large.into_iter().map(|(_, corners)| corners).collect()
 }
 
+/// The pieces of the last region, each as a facet on each active side.
+fn small_facets(mesh: &PatchMesh, pieces: std::ops::Range<u32>, active: [bool; 2]) -> Vec<Facet> {
+    let mut facets = Vec::new();
+    for p in pieces {
+        let piece = &mesh.pieces[p as usize];
+        let material = mesh.regions[piece.region as usize].material;
+        let centre = clusters::middle(mesh, p);
+        for side in [Side::Front, Side::Back].into_iter().filter(|side| active[*side as usize]) {
+            if side == Side::Front || !piece.backed {
+                let normal = mesh.normal_of(piece, side);
+                facets.push(Facet { material, side, centre, normal, piece: p });
+            }
+        }
+    }
+    facets
+}
+
 fn statistics(
     mesh: &PatchMesh,
     scene: &Scene,
@@ -254,7 +288,8 @@ fn statistics(
     dropped: usize,
     (patch_size, asked): (f64, Option<usize>),
 ) -> MeshStatistics {
-    let mut aspects: Vec<f64> = mesh.patches.iter().map(|p| patches::aspect(mesh, p)).collect();
+    let single = mesh.patches.iter().filter(|p| !p.is_cluster);
+    let mut aspects: Vec<f64> = single.map(|p| patches::aspect(mesh, p)).collect();
     aspects.sort_by(f64::total_cmp);
     let areas = mesh.patches.iter().map(|p: &Patch| p.area);
     MeshStatistics {
@@ -272,13 +307,16 @@ fn statistics(
         patch_size,
         asked,
         whole_sides: whole_sides(mesh),
+        clusters: mesh.clusters.len(),
+        clustered_sides: mesh.clusters.facets(),
     }
 }
 
-/// Sides of regions no larger than one patch of the usual size; each needs a patch of its own.
+/// Sides of regions no larger than one patch of the usual size that have a patch of their own. Clusters come last.
 fn whole_sides(mesh: &PatchMesh) -> usize {
     let side = |p: &Patch| (p.region, p.side);
-    let groups = mesh.patches.chunk_by(|a, b| side(a) == side(b));
+    let single = &mesh.patches[..mesh.patches.len() - mesh.clusters.len()];
+    let groups = single.chunk_by(|a, b| side(a) == side(b));
     groups.filter(|group| mesh.regions[group[0].region as usize].cells == [1, 1]).count()
 }
 

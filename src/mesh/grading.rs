@@ -176,6 +176,11 @@ impl LampFace {
 }
 
 impl Grading<'_> {
+    /// Asks for nothing.
+    pub(super) fn none() -> Self {
+        Self { faces: Vec::new(), most: f64::INFINITY, shortest: f64::INFINITY, wishes: Wishes::default() }
+    }
+
     /// Whether there are none.
     pub(super) fn is_empty(&self) -> bool {
         self.faces.is_empty() && self.wishes.is_empty()

@@ -4,11 +4,13 @@
 //! occlusion. A region carries a grid; every cell of it, clipped to the region's outline, makes one
 //! [`Piece`] or several, and pieces are grouped into [`Patch`]es, at most one a side. Beside lamps cells
 //! are halved until none of them is too large for the light that falls on it, and so they are where a
-//! [`Refinement`] asks for it.
+//! [`Refinement`] asks for it. Where a model has a great many facets smaller than a patch, those of a neighbourhood share
+//! patches: see [`Clusters`].
 
 mod backing;
 mod build;
 mod checkup;
+mod clusters;
 mod contacts;
 mod convex_parts;
 mod correspondence;
@@ -19,6 +21,7 @@ mod pieces;
 mod reach;
 mod refinement;
 mod regions;
+mod shells;
 mod sizing;
 mod stretches;
 mod survey;
@@ -27,6 +30,7 @@ mod types;
 pub use backing::Backing;
 pub use build::{Backs, MeshError, MeshSettings, PatchTarget, build, build_on, build_watched};
 pub use checkup::checkup;
+pub use clusters::Clusters;
 pub use convex_parts::{ConvexPart, ConvexParts};
 pub use neighbours::Contact;
 pub use reach::LightSearch;

@@ -171,6 +171,7 @@ pub(super) fn append(
         texture_average: average,
         emission_weight: if emits { outline.emission_weight } else { [0.0; 3] },
         buried: false,
+        is_cluster: false,
         radius,
     });
 }
@@ -211,7 +212,7 @@ fn holds(mesh: &PatchMesh, piece: &Piece, point: DVec2) -> bool {
 
 /// Area-weighted mean of a texture over the pieces of a patch: 8 x 8 points per triangle, or that of the whole
 /// image where a surface has no texture coordinates.
-fn texture_average(mesh: &PatchMesh, scene: &Scene, group: &Group, texture: &Texture) -> [f64; 3] {
+pub(super) fn texture_average(mesh: &PatchMesh, scene: &Scene, group: &[u32], texture: &Texture) -> [f64; 3] {
     const POINTS: usize = 8;
     let mut sum = [0.0; 3];
     let mut total = 0.0;

@@ -7,6 +7,7 @@
 
 use super::backing::{Backing, Sheets};
 use super::regions::Outline;
+use super::shells::Shells;
 use super::types::{Patch, Side};
 use crate::geometry::{Frame, Ray, polygon};
 use crate::scene::{Scene, Sides};
@@ -137,9 +138,16 @@ impl Sources {
         watch: &mut Watch<'_>,
     ) -> Result<Vec<[Reach; 2]>, Cancelled> {
         let first = Search { scene, outlines, sheets, sources: self };
-        let both =
-            |index: usize, _: &Outline| [Side::Front, Side::Back].map(|side| first.side(index, side, how));
-        let mut reached: Vec<[Reach; 2]> = watch.part(0.0, 0.6).map(outlines, both)?;
+        let shells = Shells::find(outlines, self.offset / OFFSET);
+        let dark = first.dark_shells(&shells, None, how, &mut watch.part(0.0, 0.1))?;
+        let both = |index: usize, _: &Outline| {
+            let shell = shells.of_region[index].map(|shell| dark[shell as usize]);
+            [Side::Front, Side::Back].map(|side| match shell {
+                Some(dark) if dark[side as usize] => first.side_in_the_dark(index, side),
+                _ => first.side(index, side, how),
+            })
+        };
+        let mut reached: Vec<[Reach; 2]> = watch.part(0.1, 0.6).map(outlines, both)?;
         if self.lamps.is_empty() || !reached.iter().flatten().any(|&r| r == Reach::Dark) {
             return Ok(reached);
         }
@@ -149,9 +157,11 @@ impl Sources {
         // With so many lit points to look for, those that few paths led to are found as well: many small
         // facets around a place that is lit through a gap.
         let search = Search { scene, outlines, sheets, sources: self };
-        watch.part(0.6, 1.0).map(&reached, |index, both| {
+        let dark = search.dark_shells(&shells, Some(&reached), how, &mut watch.part(0.6, 0.7))?;
+        watch.part(0.7, 1.0).map(&reached, |index, both| {
+            let shell = shells.of_region[index].map_or([false; 2], |shell| dark[shell as usize]);
             [Side::Front, Side::Back].map(|side| match both[side as usize] {
-                Reach::Dark => search.side(index, side, how),
+                Reach::Dark if !shell[side as usize] => search.side(index, side, how),
                 known => known,
             })
         })
@@ -238,6 +248,47 @@ impl<'a> Search<'a> {
         Frame::along(frame.normal * if side % 2 == 1 { -1.0 } else { 1.0 }, frame.tangent)
     }
 
+    /// For each shell whether its fronts and its backs are dark: what stands for it is, all of it. With what is
+    /// `known` of each region, also all of it that is known.
+    fn dark_shells(
+        &self,
+        shells: &Shells,
+        known: Option<&[[Reach; 2]]>,
+        how: LightSearch,
+        watch: &mut Watch<'_>,
+    ) -> Result<Vec<[bool; 2]>, Cancelled> {
+        let mut may_be_dark = vec![[true; 2]; shells.samples.len()];
+        for (shell, known) in shells.of_region.iter().zip(known.unwrap_or_default()) {
+            if let Some(shell) = shell {
+                for (dark, reach) in may_be_dark[*shell as usize].iter_mut().zip(known) {
+                    *dark &= !matches!(reach, Reach::Lit | Reach::Black);
+                }
+            }
+        }
+        let is_dark = |region: u32, side: Side| {
+            matches!(self.side(region as usize, side, how), Reach::Dark | Reach::Backed)
+        };
+        watch.map(&shells.samples, |shell, samples| {
+            [Side::Front, Side::Back].map(|side| {
+                may_be_dark[shell][side as usize] && samples.iter().all(|&region| is_dark(region, side))
+            })
+        })
+    }
+
+    /// How a side stands to light that is known to see none by its neighbours.
+    fn side_in_the_dark(&self, index: usize, side: Side) -> Reach {
+        let outline = &self.outlines[index];
+        let emits = outline.luminaire.is_some() && (side == Side::Front || outline.emits_back);
+        let sides = self.scene.materials[outline.material as usize].sides;
+        if side == Side::Back && self.sheets.backing[index] == Backing::Whole {
+            Reach::Backed
+        } else if emits || sides == Sides::Both || (sides == Sides::Front && side == Side::Front) {
+            Reach::Lit
+        } else {
+            Reach::Dark
+        }
+    }
+
     fn side(&self, index: usize, side: Side, how: LightSearch) -> Reach {
         let outline = &self.outlines[index];
         if side == Side::Back && self.sheets.backing[index] == Backing::Whole {
@@ -279,6 +330,10 @@ impl<'a> Search<'a> {
         watch: &mut Watch<'_>,
     ) -> Result<Vec<Option<Buried>>, Cancelled> {
         watch.map(patches, |index, patch| {
+            // Each facet of a cluster has its own plane, and its side is lit as a whole or not at all.
+            if patch.is_cluster {
+                return None;
+            }
             let by_reach = self.scene.materials[patch.material as usize].sides != Sides::Both;
             let seed = (1 << 40) + 64 * index as u64;
             let frame = self.frame(2 * patch.region as usize + patch.side as usize);

@@ -59,7 +59,7 @@ impl Refinement {
             })
             .collect();
         for (patch, &parts) in mesh.patches.iter().zip(parts) {
-            if parts >= WORTH && size.is_finite() {
+            if parts >= WORTH && size.is_finite() && !patch.is_cluster {
                 let (min, max) = extent(mesh, patch);
                 // Of square parts: long patches are cut across first.
                 let edge = (patch.area / parts).sqrt() / size;

@@ -12,6 +12,13 @@ use rayon::prelude::*;
 const USUAL_COUNT: usize = 3000;
 /// Of a number of patches so much may go where a refinement asks for smaller ones.
 const MOST_ASKED: f64 = 0.7;
+/// Where sides that need a patch each are more than this, and more than all that are asked for, they share clusters.
+const MANY: usize = 6000;
+/// Shares of a number of patches that large faces and clusters then get. Mouldings and contacts add to the former.
+const LARGE_FACES: f64 = 0.7;
+const CLUSTERS: f64 = 0.5;
+/// A face of several cells is small where it is less than this part of a patch.
+const SLIGHT: f64 = 0.5;
 /// A refinement is not loosened further than to edges so many times as long.
 const MOST_SLACK: f64 = 64.0;
 /// A patch is at most so many times as long as one of equal squares that share the whole area. Where mouldings
@@ -24,6 +31,25 @@ pub(super) struct Finer<'a> {
     refinement: Option<&'a Refinement>,
     /// How many times as long as the refinement asks for edges may be.
     slack: f64,
+    /// Small faces share clusters, of which nothing is asked.
+    clustered: bool,
+}
+
+/// How finely surfaces are cut.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Sizing {
+    /// The edge of a patch, metres.
+    pub(super) edge: f64,
+    /// About how many clusters [small](is_small) faces share; `None` where each has patches of its own.
+    pub(super) clusters: Option<f64>,
+}
+
+/// Whether a face has no need of a patch of its own of this edge, where faces share any.
+pub(super) fn is_small(outline: &Outline, edge: f64) -> bool {
+    let extent = outline.max - outline.min;
+    outline.luminaire.is_none()
+        && outline.coarsest == 0.0
+        && (extent.max_element() <= edge || outline.area <= SLIGHT * edge * edge)
 }
 
 /// How many patches of one size the active sides give, where nothing asks for smaller ones.
@@ -55,7 +81,7 @@ impl Demand {
 
 impl<'a> Finer<'a> {
     pub(super) fn new(lamps: Lamps, refinement: Option<&'a Refinement>) -> Self {
-        Self { lamps, refinement, slack: 1.0 }
+        Self { lamps, refinement, slack: 1.0, clustered: false }
     }
 
     /// What is asked of one outline in a mesh of patches of edge `size`.
@@ -67,6 +93,9 @@ impl<'a> Finer<'a> {
     /// How many patches more than [`Demand`] says the lit sides have by that.
     fn estimate(&self, outlines: &[Outline], sides: &[[bool; 2]], size: f64) -> f64 {
         let more = |(index, outline): (usize, &Outline)| {
+            if self.clustered && is_small(outline, size) {
+                return 0.0;
+            }
             let grading = self.on(index, outline, sides[index], size);
             if grading.is_empty() {
                 return 0.0;
@@ -108,16 +137,26 @@ pub(super) fn patch_size(
     outlines: &[Outline],
     sides: &[[bool; 2]],
     finer: &mut Finer<'_>,
-) -> Result<f64, MeshError> {
-    let size = match (count_asked(scene, target), target) {
+) -> Result<Sizing, MeshError> {
+    let asked = count_asked(scene, target);
+    let mut size = match (asked, target) {
         (Some(count), _) => for_count(count as f64, outlines, sides, finer),
         (None, PatchTarget::Size(size)) if size > 0.0 && size.is_finite() => size,
         (None, PatchTarget::Size(size)) => return Err(MeshError::Size(size)),
         (None, PatchTarget::AsGiven) => f64::INFINITY,
         (None, PatchTarget::Auto | PatchTarget::Count(_)) => scene.patch_size.unwrap_or(f64::INFINITY),
     };
+    let mut clusters = None;
+    if target != PatchTarget::AsGiven && small_sides(outlines, sides, size) > asked.unwrap_or(0).max(MANY) {
+        let count = asked.map_or(f64::INFINITY, |count| count as f64);
+        finer.clustered = true;
+        if count.is_finite() {
+            size = for_count(LARGE_FACES * count, outlines, sides, finer);
+        }
+        clusters = Some(CLUSTERS * count);
+    }
     let demand = Demand::of(outlines, sides, size.max(f64::MIN_POSITIVE));
-    let mut patches = demand.whole + demand.cut;
+    let mut patches = demand.cut + if clusters.is_some() { 0.0 } else { demand.whole };
     if patches <= PATCH_LIMIT as f64 && target != PatchTarget::AsGiven {
         patches += finer.estimate(outlines, sides, size);
     }
@@ -125,7 +164,13 @@ pub(super) fn patch_size(
         let (patches, whole) = (patches as usize, demand.whole as usize);
         return Err(MeshError::TooMany { size, patches, whole, limit: PATCH_LIMIT });
     }
-    Ok(size)
+    Ok(Sizing { edge: size, clusters })
+}
+
+/// Active sides of small faces.
+fn small_sides(outlines: &[Outline], sides: &[[bool; 2]], edge: f64) -> usize {
+    let small = outlines.iter().zip(sides).filter(|(outline, _)| is_small(outline, edge));
+    small.map(|(_, sides)| sides.iter().filter(|active| **active).count()).sum()
 }
 
 /// The edge that gives about `count` patches on the surfaces that are larger than a patch.

@@ -1,4 +1,5 @@
 use super::backing::Backing;
+use super::clusters::Clusters;
 use super::convex_parts::ConvexParts;
 use crate::geometry::{Aabb, Frame};
 use crate::scene::grouped;
@@ -92,14 +93,15 @@ pub struct PieceCorner {
     pub uv: DVec2,
 }
 
-/// One unknown of the system: a part of one side of a region, of one reflectance and radiosity.
+/// One unknown of the system: a part of one side of a region, of one reflectance and radiosity; or a cluster, small
+/// facets of many regions that share these.
 #[derive(Clone, Debug)]
 pub struct Patch {
-    /// The region that it lies on.
+    /// The region that it lies on; of a cluster that of the facet which stands for it.
     pub region: u32,
-    /// The side that it lies on.
+    /// The side that it lies on; all facets of a cluster have that in common.
     pub side: Side,
-    /// The input surface that most of it belongs to.
+    /// The input surface that most of it belongs to; of a cluster the facet which stands for it.
     pub surface: u32,
     /// Index into the scene's materials.
     pub material: u32,
@@ -110,7 +112,7 @@ pub struct Patch {
     /// Where rows are gathered, metres: the centroid, or another point of the patch where the centroid
     /// lies outside of it or under something.
     pub centre: DVec3,
-    /// Unit normal of its side.
+    /// Unit normal of its side at `centre`.
     pub normal: DVec3,
     /// Area, m².
     pub area: f64,
@@ -124,6 +126,8 @@ pub struct Patch {
     /// It lies under something that stands on its surface, out of all light; what a lamp sends out there
     /// counts as escaped.
     pub buried: bool,
+    /// Many small facets share it, each with a plane of its own.
+    pub is_cluster: bool,
     /// Radius of the smallest sphere around `centre` that holds the patch, metres.
     pub radius: f64,
 }
@@ -154,6 +158,8 @@ pub struct PatchMesh {
     /// For each region the segments, in its plane coordinates, along which other surfaces stand on
     /// it: the light may jump there. Empty where regions were not cut along them.
     pub contacts: Vec<Vec<[DVec2; 2]>>,
+    /// What small facets share, where there are too many for a patch each.
+    pub clusters: Clusters,
     /// The length that tolerances are shares of, metres: [`crate::scene::Extent::scale`].
     pub size: f64,
     /// Counts and shapes.
@@ -170,6 +176,11 @@ impl PatchMesh {
     /// Corners of a piece.
     pub fn corners_of(&self, piece: &Piece) -> &[PieceCorner] {
         &self.corners[piece.corners.start as usize..piece.corners.end as usize]
+    }
+
+    /// Unit normal of a piece on `side`.
+    pub fn normal_of(&self, piece: &Piece, side: Side) -> DVec3 {
+        self.regions[piece.region as usize].frame.normal * side.sign()
     }
 
     /// Corner positions of a piece, counter-clockwise as seen from `side`, metres.
@@ -225,11 +236,28 @@ pub struct MeshStatistics {
     pub patch_size: f64,
     /// The number of patches that was asked for, where it was a number.
     pub asked: Option<usize>,
-    /// Sides of surfaces no larger than a patch of that edge: each has a patch of its own.
+    /// Sides of surfaces no larger than a patch of that edge that have a patch of their own each.
     pub whole_sides: usize,
+    /// Patches that sides of small surfaces share, and how many sides share them.
+    pub clusters: usize,
+    /// Sides of small surfaces that share those.
+    pub clustered_sides: usize,
 }
 
 impl MeshStatistics {
+    /// Where small faces share patches, one sentence that says so.
+    pub fn clustering(&self) -> Option<String> {
+        let told = |n: usize| grouped(n as i64);
+        (self.clusters > 0).then(|| {
+            format!(
+                "{} sides of small faces share {} patches (clusters of one material, place and direction); \
+                 interreflected light is gathered by rays, which cost less than lines among so many faces",
+                told(self.clustered_sides),
+                told(self.clusters)
+            )
+        })
+    }
+
     /// Where the mesh has far more patches than were asked for, one sentence that says why.
     pub fn excess(&self) -> Option<String> {
         /// Numbers are only about met: a mesh of so many times as many is explained, and so is what takes so

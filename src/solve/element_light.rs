@@ -29,6 +29,8 @@ pub struct ElementLight {
 const ERROR: f64 = 0.005;
 /// Elements at most, besides the triangles of the mesh.
 const MOST: usize = 24_000;
+/// Where faces are a great many, so are the shadows that they throw.
+const MOST_AMONG_MANY: usize = 60_000;
 
 impl ElementLight {
     /// Divides the patches of a scene by its direct light.
@@ -46,7 +48,7 @@ impl ElementLight {
         };
         let settings = ElementSettings {
             error: ERROR,
-            most: MOST,
+            most: if mesh.clusters.is_empty() { MOST } else { MOST_AMONG_MANY },
             exitance: bases.iter().map(exitance).collect(),
             smooth: plan.is_on(Effect::SmoothSurfaces),
         };

@@ -88,7 +88,7 @@ impl Aggregates {
             .map(|(p, side)| {
                 let region = &mesh.regions[p.region as usize];
                 let area = areas.get(side).copied().unwrap_or(0.0);
-                let key = if area > smallest {
+                let key = if area > smallest && !p.is_cluster {
                     let blocks = (area / total * BLOCKS).sqrt().ceil().min(MOST_BLOCKS);
                     let local = region.frame.local(p.centre - region.origin).truncate() - region.grid_min;
                     let extent =

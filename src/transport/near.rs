@@ -14,10 +14,14 @@ const CLOSE: f64 = 2.0;
 /// A pair seen to this fraction or more is taken as fully visible: sampling noise, not a shadow.
 const CLEAR: f64 = 0.9;
 
-/// Whether the centre points would misjudge the pair.
+/// Whether the centre points would misjudge the pair. Facets of clusters are gathered at several points, and have no closed form
+/// that would not cost more than those.
 pub(super) fn is_close(a: &Patch, b: &Patch) -> bool {
     let reach = CLOSE * (a.radius + b.radius);
-    a.region != b.region && a.centre.distance_squared(b.centre) < reach * reach
+    !a.is_cluster
+        && !b.is_cluster
+        && a.region != b.region
+        && a.centre.distance_squared(b.centre) < reach * reach
 }
 
 /// A lamp of less than this fraction of a receiver's radius judges the pair better than the receiver.

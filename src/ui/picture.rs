@@ -69,8 +69,12 @@ impl Prepared {
     }
 }
 
-/// (Longest extent)² over area: one for a square counted along its sides, about 1 for a disc.
+/// (Longest extent)² over area: one for a square counted along its sides, about 1 for a disc; one for a cluster, which
+/// has no outline.
 fn aspect(mesh: &PatchMesh, patch: &Patch) -> f32 {
+    if patch.is_cluster {
+        return 1.0;
+    }
     let frame = mesh.regions[patch.region as usize].frame;
     let corners = mesh
         .pieces_of(patch)

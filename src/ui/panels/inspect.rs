@@ -83,6 +83,9 @@ fn numbers(ui: &mut egui::Ui, model: &Model<'_>, scene: &Scene, id: u32, patch: 
     theme::row(ui, "Irradiance H, W/m²", bands(irradiance));
     theme::row(ui, "Radiosity B, W/m²", bands(radiosity));
     theme::row(ui, "Area", format!("{} m²", units::digits(patch.area)));
+    if patch.is_cluster {
+        theme::row(ui, "Shared by", format!("{} small faces", units::count(patch.pieces.len())));
+    }
     let aspect = model.aspect.get(index).copied().unwrap_or_default();
     theme::row(ui, "Aspect", units::digits(f64::from(aspect)));
     theme::row(ui, "Side", if patch.side == Side::Front { "front" } else { "back" });

@@ -25,8 +25,9 @@ pub(in crate::ui) fn show(ui: &mut egui::Ui, model: &Model<'_>) {
             let excess = mesh.statistics.excess();
             let mark = if excess.is_some() { " (why so many?)" } else { "" };
             let told = ui.label(weak(format!("{} patches{mark}", units::count(mesh.patches.len()))));
-            if let Some(excess) = excess {
-                told.on_hover_text(excess);
+            let reasons: Vec<String> = excess.into_iter().chain(mesh.statistics.clustering()).collect();
+            if !reasons.is_empty() {
+                told.on_hover_text(reasons.join("\n"));
             }
         }
         if let Some(memory) = model.memory {
