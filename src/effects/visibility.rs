@@ -8,7 +8,11 @@ pub(super) fn find(mesh: &PatchMesh) -> Finding {
     let backs = mesh.patches.iter().filter(|p| p.side == Side::Back).count();
     // The first surface that has something behind its plane proves that the room is not convex.
     let blocker = first_blocker(mesh);
-    let predicted_cost = format!("one sweep over the {regions} regions a row, most of the time of a solve");
+    let predicted_cost = if mesh.clusters.is_empty() {
+        format!("one sweep over the {regions} regions a row, most of the time of a solve")
+    } else {
+        format!("rays in place of lines, each through a tree over the {regions} regions")
+    };
     match (backs, blocker) {
         (0, None) => Finding {
             called_for: false,
