@@ -5,7 +5,7 @@ use std::borrow::Cow;
 
 /// The text of a file: in UTF-8, in UTF-16 with a byte order mark, or else in Windows-1252, in which any
 /// bytes are a text and different bytes are different characters.
-pub(crate) fn decode(bytes: &[u8]) -> Cow<'_, str> {
+pub fn decode(bytes: &[u8]) -> Cow<'_, str> {
     if let Some((encoding, _)) = Encoding::for_bom(bytes) {
         return encoding.decode_with_bom_removal(bytes).0;
     }

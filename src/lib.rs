@@ -6,7 +6,7 @@
 
 pub mod watch;
 pub mod geometry;
-mod encoding;
+pub mod encoding;
 pub mod photometry;
 pub mod scene;
 pub mod mesh;

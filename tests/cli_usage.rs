@@ -47,7 +47,7 @@ fn help_names_every_command_and_option() {
     }
     assert!(place.succeed(&["scenes", "--help"]).contains("--export"));
     assert!(place.succeed(&["plan", "--help"]).contains("--without"));
-    assert!(place.succeed(&["check", "--help"]).contains("SCENE"));
+    assert!(place.succeed(&["check", "--help"]).contains("FILE"));
     for command in [&["check"][..], &["plan"], &["accuracy"], &[]] {
         let help = place.succeed(&[command, &["--help"]].concat());
         assert!(help.contains("--unit") && help.contains("--up"), "{command:?}:\n{help}");
