@@ -26,9 +26,6 @@ const ENOUGH: u32 = 2;
 /// some must lie outside.
 const LAMP_POINTS: usize = 512;
 const POINTS_PER_LAMP: [usize; 2] = [3, 24];
-/// A point of a lamp that looks less than this part as far as another looks into what holds the lamp: light
-/// that ends there is of no use to a room.
-const LOOKS_FAR: f64 = 0.25;
 
 /// Paths from the lamps, and the points that each has at most.
 const LAMP_PATHS: u64 = 2048;
@@ -107,7 +104,7 @@ pub(super) struct Sources {
 
 impl Sources {
     /// The lamps of a scene of some `size`, metres; no other side is known to be lit.
-    pub(super) fn new(outlines: &[Outline], sheets: &Sheets, size: f64) -> Self {
+    pub(super) fn new(outlines: &[Outline], size: f64) -> Self {
         let (mut lamps, mut lamp_tangents) = (Vec::new(), Vec::new());
         let shining = || outlines.iter().filter(|outline| outline.luminaire.is_some());
         let [least, most] = POINTS_PER_LAMP;
@@ -116,10 +113,8 @@ impl Sources {
             let points: Vec<DVec3> =
                 sample_points(outline, per_lamp).into_iter().map(|point| outline.world(point)).collect();
             for sign in [1.0, -1.0].into_iter().take(if outline.emits_back { 2 } else { 1 }) {
-                let frame = Frame::along(outline.frame.normal * sign, outline.frame.tangent);
-                let into_the_open = looking_far(&points, frame, sheets, size * OFFSET);
-                lamp_tangents.extend(into_the_open.iter().map(|_| outline.frame.tangent));
-                lamps.extend(into_the_open.into_iter().map(|point| (point, frame.normal)));
+                lamp_tangents.extend(points.iter().map(|_| outline.frame.tangent));
+                lamps.extend(points.iter().map(|&point| (point, outline.frame.normal * sign)));
             }
         }
         Self { lamps, lamp_tangents, lit_points: Vec::new(), offset: size * OFFSET }
@@ -450,32 +445,6 @@ impl<'a> Search<'a> {
         }
         false
     }
-}
-
-/// Those points of a lamp that do not look into what holds it, three at least.
-fn looking_far(points: &[DVec3], frame: Frame, sheets: &Sheets, offset: f64) -> Vec<DVec3> {
-    const RAYS: u32 = 16;
-    let [least, _] = POINTS_PER_LAMP;
-    if points.len() <= least {
-        return points.to_vec();
-    }
-    let median = |point: DVec3| {
-        let origin = point + frame.normal * offset;
-        let distance = |k: u32| {
-            let direction = frame.world(cosine_direction(k, RAYS, 0.1));
-            sheets.nearest(&Ray { origin, direction }).map_or(f64::INFINITY, |hit| hit.distance)
-        };
-        let mut distances: Vec<f64> = (0..RAYS).map(distance).collect();
-        distances.sort_by(f64::total_cmp);
-        distances[RAYS as usize / 2]
-    };
-    let mut ranked: Vec<(f64, DVec3)> = points.iter().map(|&point| (median(point), point)).collect();
-    ranked.sort_by(|a, b| b.0.total_cmp(&a.0));
-    let farthest = ranked[0].0;
-    let looks_far =
-        |k: usize, distance: f64| k < least || distance == farthest || distance >= LOOKS_FAR * farthest;
-    let kept = ranked.into_iter().enumerate().filter(|&(k, (distance, _))| looks_far(k, distance));
-    kept.map(|(_, (_, point))| point).collect()
 }
 
 /// Up to [`LIT_POINTS`] of these points, each as far from those before as can be: a floor may run
