@@ -1,6 +1,8 @@
 //! Long work that is watched: it tells how far it has come, and ends early when it is asked to.
 
 use rayon::prelude::*;
+use std::sync::mpsc;
+use std::time::Duration;
 
 /// The work was ended before it was done.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -83,6 +85,37 @@ impl<'a> Watch<'a> {
     }
 }
 
+/// How often somebody who waits for work of others asks whether to end.
+const WAITED: Duration = Duration::from_millis(20);
+
+/// Does work that cannot be asked to end, by a library say, on a thread of its own. Once it is cancelled it is left to
+/// itself. `None` where it panicked.
+///
+/// # Errors
+/// It was `cancelled`.
+pub fn apart<T: Send + 'static>(
+    cancelled: &(dyn Fn() -> bool + Sync),
+    work: impl FnOnce() -> T + Send + 'static,
+) -> Result<Option<T>, Cancelled> {
+    let (sender, receiver) = mpsc::channel();
+    let work = move || {
+        // Nobody may be left to receive it.
+        sender.send(work()).ok();
+    };
+    let thread = std::thread::Builder::new().name("apart".to_owned()).spawn(work);
+    if thread.is_err() {
+        return Ok(None);
+    }
+    loop {
+        match receiver.recv_timeout(WAITED) {
+            Ok(result) => return Ok(Some(result)),
+            Err(mpsc::RecvTimeoutError::Disconnected) => return Ok(None),
+            Err(mpsc::RecvTimeoutError::Timeout) if cancelled() => return Err(Cancelled),
+            Err(mpsc::RecvTimeoutError::Timeout) => {}
+        }
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -99,6 +132,17 @@ mod tests {
         assert_eq!(doubled, [2, 5, 8]);
         assert_eq!(told[0], 0.75);
         assert!(told.is_sorted() && told.last() == Some(&1.0), "{told:?}");
+    }
+
+    #[test]
+    fn work_apart_is_waited_for_unless_it_is_cancelled() {
+        assert_eq!(apart(&|| false, || 7), Ok(Some(7)));
+        assert_eq!(apart(&|| false, || -> u32 { panic!("as libraries may") }), Ok(None));
+        let (gate, closed) = mpsc::channel::<()>();
+        let asked = AtomicUsize::new(0);
+        let ended = apart(&|| asked.fetch_add(1, Ordering::Relaxed) > 1, move || closed.recv().is_ok());
+        assert_eq!(ended, Err(Cancelled), "and it has not come to its end");
+        drop(gate);
     }
 
     #[test]

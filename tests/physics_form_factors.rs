@@ -510,13 +510,11 @@ fn more_receiving_points_see_more_of_a_shadow() {
     };
     let lines = |points| error(Method::Lines, 192, points);
     let (one, auto, four, sixteen) = (lines(One), lines(Auto), lines(Four), lines(Sixteen));
-    let fine = error(Method::Lines, 384, Auto);
     let aligned = [One, Sixteen].map(|points| error(Method::AlignedHemicube, 128, points));
-    println!("{one:.4} {auto:.4} {four:.4} {sixteen:.4}, fine {fine:.4}, hemicube {aligned:.4?}");
+    println!("{one:.4} {auto:.4} {four:.4} {sixteen:.4}, hemicube {aligned:.4?}");
     assert!(sixteen < 0.01, "an independent method agrees: {sixteen}");
     assert!(one > 0.03, "a centre alone takes a patch as lit or dark: {one}");
     assert!(four < 0.5 * one && sixteen < 0.5 * four, "{one} {four} {sixteen}");
-    assert!(auto < 1.1 * four, "it finds the shadows by itself: {auto} against {four}");
-    assert!(fine < 0.5 * four, "and takes more points where the lines are finer: {fine}");
+    assert!(auto < 1.01 * one, "the shadows of lamps are left to the elements: {auto} against {one}");
     assert!(aligned[1] < 0.5 * aligned[0], "whatever the method: {aligned:?}");
 }

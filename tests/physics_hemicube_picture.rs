@@ -119,7 +119,7 @@ fn two_ways_to_the_same_light_agree() {
     assert_eq!(made.patches().len(), solution.mesh.patches.len());
     let scene: &Arc<_> = &solution.scene;
     let whole = solution.light(&scene.lighting()).irradiance;
-    let direct = solution.element_light.as_ref().map(|elements| &elements.of_patches);
+    let direct = solution.element_light.as_ref().map(|elements| &elements.given);
     let parts = made.irradiance(&made.system(None).with_direct(direct), 1e-6);
     let largest = whole.iter().flatten().copied().fold(0.0, f32::max);
     for (a, b) in whole.iter().flatten().zip(parts.iter().flatten()) {

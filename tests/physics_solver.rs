@@ -7,6 +7,7 @@ use common::{
 };
 use glam::{DMat3, DVec3, dvec3};
 use lumenwalk::form_factors::RowComputer;
+use lumenwalk::form_factors::closed_form::point_to_polygon;
 use lumenwalk::mesh::PatchTarget;
 use lumenwalk::scene::{Scene, illuminance};
 use lumenwalk::solver::{GaussSeidel, PatchLight, System};
@@ -475,4 +476,65 @@ fn preparing_rows_and_sweeps_ends_when_it_is_asked_to() {
             );
         }
     }
+}
+
+/// A black box on a square of 1 m with a lamp of 10 cm low on one of its sides, its lid in 4 x 4 parts: what these get depends on
+/// where on the square the light falls.
+#[test]
+fn light_leaves_a_patch_from_where_it_falls() {
+    const HEIGHT: f64 = 0.8;
+    let lamp = |u: f64, v: f64| dvec3(0.001, 0.3 + 0.1 * u, 0.05 + 0.1 * v);
+    let mut m = Model::new();
+    m.grey("paint", 0.5).grey("black", 0.0).paint("glow", [0.0; 3], [100.0; 3]);
+    m.object("square").quad("paint", DVec3::ZERO, DVec3::X, DVec3::Y);
+    m.object("lamp").quad("glow", lamp(0.0, 0.0), DVec3::Y * 0.1, DVec3::Z * 0.1);
+    for k in 0..16 {
+        let at = dvec3(f64::from(k % 4) / 4.0, f64::from(k / 4) / 4.0, HEIGHT);
+        m.object(&format!("part {k}")).quad("black", at, DVec3::Y * 0.25, DVec3::X * 0.25);
+    }
+    // Black walls around, so that nothing escapes.
+    let up = DVec3::Z * HEIGHT;
+    for (at, u, v) in [
+        (DVec3::ZERO, up, DVec3::X),
+        (DVec3::ZERO, DVec3::Y, up),
+        (DVec3::Y, DVec3::X, up),
+        (DVec3::X, up, DVec3::Y),
+    ] {
+        m.object("wall").quad("black", at, u, v);
+    }
+    let scene = m.one_sided();
+    let found = solved(&scene, &lines(PatchTarget::AsGiven));
+    let light = found.light(&scene.lighting());
+    let detail = light.detail.as_ref().expect("direct light in detail");
+    let transport = found.transport.as_ref().expect("solved");
+    let square = found.mesh.patches.iter().position(|p| p.reflectance[0] > 0.0).expect("the square");
+    // By sums over 100 x 100 places of the square and 4 x 4 of each part.
+    let corners = [lamp(0.0, 0.0), lamp(0.0, 1.0), lamp(1.0, 1.0), lamp(1.0, 0.0)];
+    let of = |k: usize, n: usize| (k as f64 + 0.5) / n as f64;
+    let from: Vec<(DVec3, f64)> = (0..10_000)
+        .map(|k| dvec3(of(k % 100, 100), of(k / 100, 100), 0.0))
+        .map(|x| (x, 0.5 * 100.0 * point_to_polygon(x, DVec3::Z, &corners) / 10_000.0))
+        .collect();
+    let (mut off, mut even, mut sum) = (0.0, 0.0, 0.0);
+    for (i, part) in found.mesh.patches.iter().enumerate().filter(|(_, p)| p.normal.z < -0.5) {
+        let mut truth = 0.0;
+        for k in 0..16 {
+            let place = dvec3(of(k % 4, 4) - 0.5, of(k / 4, 4) - 0.5, 0.0) * 0.25;
+            let y = part.centre + place;
+            for &(x, b) in &from {
+                let r2 = (y - x).length_squared();
+                let kernel = HEIGHT * HEIGHT / (std::f64::consts::PI * r2 * r2);
+                truth += b * kernel / 16.0;
+            }
+        }
+        let evenly = transport.get(i, square) * 0.5 * f64::from(light.irradiance[square][1]);
+        off += (f64::from(detail.interreflected[i][1]) - truth).powi(2);
+        even += (evenly - truth).powi(2);
+        sum += truth * truth;
+    }
+    let [off, even] = [off, even].map(|square| f64::sqrt(square / sum));
+    assert!(off < 0.04 && even > 0.3, "{off}, and {even} if it left evenly");
+    // None is lost or made on the way.
+    let power = found.sweeps.last().expect("swept");
+    close("power", power.absorbed + power.escaped, power.emitted, 1e-6);
 }

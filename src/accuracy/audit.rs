@@ -44,6 +44,8 @@ pub struct AuditSettings {
     /// Rays are cast until their noise at a point is below this part of the light there, time allowing;
     /// above zero. [`Spread`] is blurred by as much.
     pub local_noise: f64,
+    /// Squared noise of the witness at a receiver over the squared error that is found; above zero. It adds no bias.
+    pub noise: f64,
     /// Receivers at most; 64 or more.
     pub receivers: usize,
     /// It ends as soon as the total's interval lies on one side of this. Before it says that the error is
@@ -63,6 +65,7 @@ impl Default for AuditSettings {
             parts: false,
             resolve: 5e-4,
             local_noise: 5e-3,
+            noise: 1.0,
             seconds: 10.0,
             receivers: 4096,
             decide: None,
@@ -244,9 +247,10 @@ impl<'a> Audit<'a> {
         let closed = mean_of(&|i| answer.transport.row_sum(i));
         let gathered = gathered(answer.transport, answer.reflectance, answer.light);
         let by_row: Vec<f64> = gathered.into_iter().map(luminance_weighted).collect();
-        let passed_on = answer.light.detail.as_ref().map(|detail| {
-            by_row.iter().zip(&detail.of_patches).map(|(all, &direct)| all - lum(direct)).collect()
-        });
+        let passed_on =
+            answer.light.detail.as_ref().map(|detail| {
+                by_row.iter().zip(&detail.given).map(|(all, &given)| all - lum(given)).collect()
+            });
         Some(Self {
             answer,
             witness,
@@ -387,7 +391,8 @@ impl<'a> Audit<'a> {
         let n = pilot.len().max(1) as f64;
         let mean = |of: &dyn Fn(&Found) -> f64| pilot.iter().map(|f| f.total.weight * of(f)).sum::<f64>() / n;
         let least = settings.resolve * settings.resolve;
-        let noise = [mean(&|f| f.form_factors.square), mean(&|f| f.total.square)].map(|e| e.max(least));
+        let noise = [mean(&|f| f.form_factors.square), mean(&|f| f.total.square)]
+            .map(|e| settings.noise * e.max(least));
         // A receiver casts five times as many rays as one gathering has along the cosine.
         let most = (rays_left / (5.0 * FEWEST)).clamp(f64::from(TRIAL_RAYS) + 1.0, f64::from(MOST_RAYS));
         Care { noise, local: settings.local_noise, rays: [TRIAL_RAYS, most as u32] }

@@ -229,7 +229,8 @@ impl Check<'_> {
         let unseen = if off > DISAGREES * noise { off - WIDE * noise } else { 0.0 };
 
         // 3. All together: what is known with its sign, and the widths of the rest.
-        let known = shape + found.reflected * patches.bias;
+        // That of the patches a point sees may be the other way round than in the mean.
+        let known = shape.abs() + (found.reflected * patches.bias).abs();
         let widths = [
             WIDE * found.sampling,
             WIDE * shape_noise,
@@ -237,7 +238,7 @@ impl Check<'_> {
             WIDE * found.reflected * patches.spread,
             FLOOR * found.luminance,
         ];
-        known.abs() + unseen + widths.iter().map(|w| w * w).sum::<f64>().sqrt()
+        known + unseen + widths.iter().map(|w| w * w).sum::<f64>().sqrt()
     }
 }
 

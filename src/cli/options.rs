@@ -3,7 +3,7 @@ use crate::effects::{Effect, EffectChoices};
 use crate::form_factors::{Method, ReceivingPoints};
 use crate::mesh::PatchTarget;
 use crate::scene::{FrameChoice, LengthUnit, SceneSource, UpAxis};
-use crate::solve::SolveSettings;
+use crate::solve::{DirectTarget, SolveSettings};
 use clap::Args;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use glam::DVec3;
@@ -96,6 +96,9 @@ pub(super) struct SolveOptions {
     /// At how many points of a patch its row is gathered: auto, 1 (its centre), 4 or 16 [default: auto]
     #[arg(long, value_name = "N", value_parser = receiving_points())]
     pub(super) receiving_points: Option<ReceivingPoints>,
+    /// Elements that direct light is laid out on at most, besides the triangles of the mesh [default: 60000]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(0..=4_000_000))]
+    pub(super) elements: Option<u32>,
     /// Relative error bound at which the solve stops [default: 0.0001]
     #[arg(long, value_name = "T", value_parser = tolerance)]
     pub(super) tolerance: Option<f64>,
@@ -123,6 +126,10 @@ impl SolveOptions {
             method,
             resolution: self.resolution,
             points: self.receiving_points.unwrap_or(defaults.points),
+            direct: DirectTarget {
+                most: self.elements.map_or(defaults.direct.most, |most| most as usize),
+                ..defaults.direct
+            },
             tolerance: self.tolerance.unwrap_or(defaults.tolerance),
             effects: self.effects.choices()?,
         })

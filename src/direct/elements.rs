@@ -49,10 +49,7 @@ pub struct Elements {
     pub(super) regions: Vec<u32>,
     /// Basis and irradiance per unit of its exitance.
     values: Vec<(u32, f32)>,
-    /// For each corner how far its light is to be trusted, 0 to 1: none where an element beside it is still coarse and
-    /// far from linear, so that the mean of the patches shows less of what is wrong.
-    pub trust: Vec<f32>,
-    /// What part of the direct light the elements are expected to be off by, RMS over the area.
+    /// What the direct light is expected to be off by, RMS over the area: see [`super::ElementSettings::error`].
     pub expected_error: f64,
 }
 
@@ -96,7 +93,12 @@ impl Elements {
 
     /// The undivided triangles.
     pub fn leaves(&self) -> impl Iterator<Item = &Element> {
-        self.elements.iter().filter(|element| element.children == NO_ELEMENT)
+        self.leaves_with_index().map(|leaf| leaf.1)
+    }
+
+    /// The undivided triangles, each with its index.
+    pub fn leaves_with_index(&self) -> impl Iterator<Item = (u32, &Element)> {
+        (0_u32..).zip(&self.elements).filter(|(_, element)| element.children == NO_ELEMENT)
     }
 
     /// Calls `found` with the undivided parts of an element.
@@ -206,18 +208,6 @@ impl Elements {
             .collect()
     }
 
-    /// How far the direct light of each patch is to be trusted, 0 to 1: the mean of its elements' corners.
-    pub fn trust_in_patches(&self, patches: usize) -> Vec<f32> {
-        let mut sums = vec![(0.0_f64, 0.0_f64); patches];
-        for element in self.leaves() {
-            let area = self.area(element);
-            let trust: f32 = element.corners.iter().map(|&corner| self.trust[corner as usize]).sum();
-            let own = &mut sums[element.patch as usize];
-            *own = (own.0 + area * f64::from(trust) / 3.0, own.1 + area);
-        }
-        sums.iter().map(|&(sum, area)| if area > 0.0 { (sum / area) as f32 } else { 0.0 }).collect()
-    }
-
     /// Leaves out corners that no element has, and their light.
     pub(super) fn compact(&mut self) {
         let mut used = vec![false; self.corners.len()];
@@ -235,7 +225,6 @@ impl Elements {
                 new[index] = kept.corners.len() as u32;
                 kept.corners.push(*corner);
                 kept.push_light(self.light_at(index as u32));
-                kept.trust.push(self.trust.get(index).copied().unwrap_or(1.0));
             }
         }
         kept.elements = std::mem::take(&mut self.elements);

@@ -6,7 +6,7 @@ use glam::DVec3;
 use std::f64::consts::{PI, TAU};
 
 /// Half-planes over the azimuths of an outline.
-const HALF_PLANES: u32 = 64;
+const HALF_PLANES: u32 = 32;
 
 /// The visible share of a convex outline, between 0 and 1, cosines counted in. `occluders` are the planes through
 /// the origin and the edges of each occluder, with normals inwards; a fan has as many as `outline` needs.

@@ -51,7 +51,7 @@ pub struct Scratch {
 }
 
 /// What is left of an outline in more fragments is looked at by half-planes.
-const MOST_FRAGMENTS: usize = 128;
+const MOST_FRAGMENTS: usize = 40;
 /// What passes beside an outline is left out by so many of its edges at most.
 const MOST_BEAMS: usize = 8;
 /// What so many obstacles may hide is looked at by rays, so many along each edge of its outline.
@@ -61,8 +61,6 @@ const RAYS: u32 = 16;
 const RAYS_AMONG_MANY: f64 = 100.0;
 /// On small facets fewer, by what part of all light an emitter may give at least.
 const FEW_RAYS: [(f64, f64); 3] = [(0.2, 16.0), (0.05, 8.0), (0.005, 4.0)];
-/// A shadow that may be there counts this part of one that is.
-const POSSIBLE: f64 = 0.05;
 
 /// Points along the edges of a grid of about so many.
 fn along_for(rays: f64) -> u32 {
@@ -126,20 +124,30 @@ impl DirectLight {
         self.thickness
     }
 
-    /// The squared shadow, times its area in m², that obstacles may throw on a triangle between the places where it
-    /// was looked at: of those that are narrower than the triangle's edges, by how much of an emitter they can hide.
-    pub(super) fn possible_shadow(&self, cell: [DVec3; 3], views: &Views) -> f64 {
+    /// The squared irradiance, times its area in m², of the shadows that obstacles may throw on a triangle with a unit
+    /// normal between the places where it was looked at: of those that are narrower than the triangle's edges, by how much
+    /// of an emitter they can hide. `exitance` is that of each basis.
+    pub(super) fn possible_shadow(
+        &self,
+        cell: [DVec3; 3],
+        normal: DVec3,
+        views: &Views,
+        exitance: &[f64],
+        scratch: &mut Scratch,
+    ) -> f64 {
         let middle = (cell[0] + cell[1] + cell[2]) / 3.0;
         let area = 0.5 * (cell[1] - cell[0]).cross(cell[2] - cell[0]).length();
         let edge = area.sqrt();
         let mut sum = 0.0;
-        for (source, obstacles) in views.iter() {
-            let emitter = &self.emitters.sources[source as usize].emitter;
+        for (source, obstacles) in views.iter().filter(|view| !view.1.is_empty()) {
+            let source = &self.emitters.sources[source as usize];
+            let emitter = &source.emitter;
             let hull = emitter.hull();
             let target = hull.iter().sum::<DVec3>() / hull.len() as f64;
             let to = target - middle;
             let reach = hull.iter().map(|c| c.distance(target)).fold(0.0, f64::max);
             let spread = reach * reach / to.length_squared().max(f64::MIN_POSITIVE);
+            let mut shadow = 0.0;
             for &index in obstacles {
                 let (width, length) = self.obstacles.extent(index);
                 let distance = self.obstacles.get(index).corners[0].distance(middle);
@@ -151,10 +159,21 @@ impl DirectLight {
                 }
                 let seen = width * length / (distance * distance).max(f64::MIN_POSITIVE);
                 let hidden = (seen / spread.max(f64::MIN_POSITIVE)).min(1.0);
-                sum += hidden * hidden * (width * length * larger * larger).min(area);
+                shadow += hidden * hidden * (width * length * larger * larger).min(area);
+            }
+            if shadow > 0.0 {
+                let Scratch { clipper, outline, .. } = scratch;
+                if emitter.outline(middle, outline).is_none() {
+                    continue;
+                }
+                clipper.start(outline, normal);
+                let value: f64 = clipper.fragments().map(|f| emitter.irradiance(normal, f)).sum();
+                let shares = source.shares.iter();
+                let watts: f64 = shares.map(|s| value * s.factor * exitance[s.basis as usize]).sum();
+                sum += watts * watts * shadow.min(area);
             }
         }
-        (POSSIBLE * sum).min(POSSIBLE * area)
+        sum
     }
 
     /// What a convex cell with a unit normal, metres, may see of the emitters. A cell of a surface that light reaches
@@ -291,9 +310,7 @@ impl DirectLight {
             return share * clipper.fragments().map(|f| emitter.irradiance(normal, f)).sum::<f64>();
         }
         for &index in obstacles {
-            let (middle, radius) = self.obstacles.sphere(index);
-            let middle = middle - point;
-            if beams.iter().any(|(plane, offset)| plane.dot(middle) <= offset - radius) {
+            if self.is_beside(index, point, beams) {
                 continue;
             }
             let obstacle = self.obstacles.get(index);
@@ -312,6 +329,9 @@ impl DirectLight {
                 let whole: Vec<DVec3> = clipper.fragments().flatten().copied().collect();
                 fan.start(&whole);
                 for &index in obstacles {
+                    if self.is_beside(index, point, beams) {
+                        continue;
+                    }
                     let obstacle = self.obstacles.get(index);
                     relative.clear();
                     relative.extend(obstacle.corners.iter().map(|c| *c - point));
@@ -321,6 +341,13 @@ impl DirectLight {
             }
         }
         clipper.fragments().map(|f| emitter.irradiance(normal, f)).sum()
+    }
+
+    /// Whether an obstacle lies outside of one of the half-spaces that hold all between a point and an outline.
+    fn is_beside(&self, index: u32, point: DVec3, beams: &[(DVec3, f64)]) -> bool {
+        let (middle, radius) = self.obstacles.sphere(index);
+        let middle = middle - point;
+        beams.iter().any(|(plane, offset)| plane.dot(middle) <= offset - radius)
     }
 
     /// As [`Self::gather`], of all emitters and by few rays: more to those that would give the more.

@@ -14,8 +14,8 @@ use std::sync::Arc;
 /// How finely direct light is divided.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ElementSettings {
-    /// Division ends once direct light is expected to be off by this part of the light there (half the mean is added
-    /// to that), RMS over the area; above zero.
+    /// Division ends once direct light is expected to be off by this, RMS over the area, of the mean and of the light there
+    /// (their geometric mean, half the mean added to what is there); above zero.
     pub error: f64,
     /// There are no more elements than this, besides the triangles of the mesh.
     pub most: usize,
@@ -28,14 +28,12 @@ pub struct ElementSettings {
 /// A corner beside which something may stand is looked at so far inside of an element, of its size: on a line
 /// between two planes light has two values.
 const INSET: f64 = 1e-3;
-/// An error counts relative to the light there, and at least to this part of the mean.
+/// Where there is less light than this part of the mean, errors count as if there were as much.
 const FAINT: f64 = 0.5;
+/// A shadow that may be there counts this part of one that is.
+const POSSIBLE: f64 = 0.05;
 /// A difference that shows that a shadow was found.
 const NOTABLE: f64 = 0.02;
-/// Elements of more than this share of their triangle that are off by more than this part of the light there are not
-/// to be shown.
-const COARSE: f64 = 0.05;
-const WRONG: f64 = 0.08;
 /// Each pass divides the elements that make up so much of the squared error (Dörfler 1996).
 const BULK: f64 = 0.6;
 /// What hides the lamps from an element is looked for anew once it is so small a part of the one that it was looked
@@ -126,7 +124,6 @@ impl Elements {
             }
             fresh = refinement.divide(&marked, mesh);
         }
-        refinement.judge();
         let mut elements = refinement.elements;
         elements.compact();
         Ok(elements)
@@ -262,7 +259,7 @@ impl Refinement<'_> {
         (corner, point)
     }
 
-    /// The squared error of a leaf relative to the light there, times its share of the area.
+    /// The squared error of a leaf, relative to the mean and to the light there alike, times its share of the area.
     fn error_of(&self, index: u32) -> f64 {
         let views = &self.views[index as usize];
         let element = &self.elements.elements[index as usize];
@@ -274,22 +271,40 @@ impl Refinement<'_> {
         for k in 0..3 {
             let Some(&middle) = self.middles.get(&edge_key(element, k)) else { continue };
             let ends = [element.corners[k], element.corners[(k + 1) % 3]];
-            let (error, is_off) = self.difference(middle, ends);
-            square += error * error;
+            let (off, here) = self.difference(middle, ends);
+            square += off * off / self.scale(here);
             count += 1.0;
-            differs |= is_off;
+            differs |= off > NOTABLE * (here + FAINT * self.mean);
         }
         let area = self.elements.area(element);
         let mut error = square / f64::max(count, 1.0) * area;
         if !differs && !views.is_clear() {
-            error += self.light.possible_shadow(self.elements.positions(element), views);
+            let cell = self.elements.positions(element);
+            let normal = self.elements.corners[element.corners[0] as usize].normal;
+            let here = element.corners.iter().map(|&corner| self.watts(corner)).sum::<f64>() / 3.0;
+            let exitance = &self.settings.exitance;
+            let shadow =
+                with_scratch(|scratch| self.light.possible_shadow(cell, normal, views, exitance, scratch));
+            // Nothing can be darker than dark.
+            error += shadow.min(here * here * area) * POSSIBLE / self.scale(here);
         }
         error / self.area.max(f64::MIN_POSITIVE)
     }
 
-    /// The light in the middle of an edge less the mean of that at its ends, over the light there; and whether there
-    /// is any difference to speak of.
-    fn difference(&self, middle: u32, ends: [u32; 2]) -> (f64, bool) {
+    /// All light of a corner.
+    fn watts(&self, corner: u32) -> f64 {
+        let light = self.elements.light_at(corner).iter();
+        light.map(|&(basis, value)| f64::from(value) * self.settings.exitance[basis as usize]).sum()
+    }
+
+    /// What a squared error is divided by where there is so much light: a spot beside a lamp is neither to take all
+    /// elements, as by its absolute error it would, nor none, being small.
+    fn scale(&self, here: f64) -> f64 {
+        (here + FAINT * self.mean) * self.mean
+    }
+
+    /// By how much the light in the middle of an edge differs from the mean of that at its ends, and how much there is.
+    fn difference(&self, middle: u32, ends: [u32; 2]) -> (f64, f64) {
         let mut differences: Light = self.elements.light_at(middle).to_vec();
         let watts = |basis: u32, value: f32| f64::from(value) * self.settings.exitance[basis as usize];
         let here: f64 = differences.iter().map(|&(basis, value)| watts(basis, value)).sum();
@@ -301,26 +316,7 @@ impl Refinement<'_> {
                 }
             }
         }
-        let off: f64 = differences.iter().map(|&(basis, difference)| watts(basis, difference).abs()).sum();
-        let error = off / (here + FAINT * self.mean).max(f64::MIN_POSITIVE);
-        (error, error > NOTABLE)
-    }
-
-    /// Marks the corners of leaves that are coarse and known to be wrong: there was no room to divide them.
-    fn judge(&mut self) {
-        let mut trust = vec![1.0_f32; self.elements.corners.len()];
-        for root in 0..self.whole as u32 {
-            let coarse = COARSE * self.elements.area(&self.elements.elements[root as usize]);
-            self.elements.leaves_of(root, |leaf| {
-                let element = &self.elements.elements[leaf as usize];
-                let area = self.elements.area(element);
-                let error = (self.errors[leaf as usize] * self.area / area.max(f64::MIN_POSITIVE)).sqrt();
-                if area > coarse && error > WRONG {
-                    element.corners.iter().for_each(|&corner| trust[corner as usize] = 0.0);
-                }
-            });
-        }
-        self.elements.trust = trust;
+        (differences.iter().map(|&(basis, difference)| watts(basis, difference).abs()).sum(), here)
     }
 
     /// The leaves that make up most of the squared error; none once that is small enough.

@@ -13,8 +13,6 @@ pub struct Detail<'a> {
     pub direct: &'a [[f32; 3]],
     /// What surfaces pass on, a value per patch.
     pub interreflected: &'a [[f32; 3]],
-    /// From the lamps by itself, a value per patch.
-    pub of_patches: &'a [[f32; 3]],
     /// Reflectance of each patch per band.
     pub reflectance: &'a [[f32; 3]],
 }

@@ -410,13 +410,10 @@ impl DisplayMesh {
         let Some(detail) = detail.filter(|detail| self.shows(detail, shading)) else {
             return self.corner_values(irradiance, shading);
         };
-        let trust = self.elements.as_ref().map_or(&[][..], |elements| &elements.trust);
         let mut values = self.spread(detail.interreflected, shading);
-        let smooth = self.spread(detail.of_patches, shading);
-        for ((value, source), smooth) in values.iter_mut().zip(&self.sources).zip(smooth) {
+        for (value, source) in values.iter_mut().zip(&self.sources) {
             let direct = detail.direct[source.element as usize];
-            let trust = trust.get(source.element as usize).copied().unwrap_or(1.0);
-            *value = std::array::from_fn(|b| value[b] + trust * direct[b] + (1.0 - trust) * smooth[b]);
+            value.iter_mut().zip(direct).for_each(|(value, direct)| *value += direct);
         }
         values
     }

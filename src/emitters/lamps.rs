@@ -16,6 +16,13 @@ pub struct Basis {
     pub weight: [f64; 3],
 }
 
+impl Basis {
+    /// What the lamp's output counts in a band of so many: 3, or 1 that stands for all.
+    pub fn weight_of(&self, band: usize, bands: usize) -> f64 {
+        if bands == 1 { self.weight.iter().sum::<f64>() / 3.0 } else { self.weight[band] }
+    }
+}
+
 /// What an emitter adds to a basis.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Share {

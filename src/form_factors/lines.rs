@@ -213,16 +213,6 @@ impl LineSampler {
         }
     }
 
-    /// Whether the last point saw a lamp that matters in part: it lies in a penumbra.
-    pub fn in_penumbra(&self, scene: &Occluders) -> bool {
-        let lamps = || self.seen.iter().filter(|s| scene.regions[s.region as usize].emits[s.side as usize]);
-        let largest = lamps().map(|s| s.total).fold(0.0, f64::max);
-        lamps().any(|s| {
-            let fraction = s.visible / s.total;
-            s.total > 0.1 * largest && fraction > 0.02 && fraction < 0.98
-        })
-    }
-
     /// Finds the intervals of one region on all half-planes.
     fn cut_region(
         &mut self,

@@ -10,7 +10,8 @@ use glam::DVec3;
 /// that falls with the square of the patch size and that no resolution cures.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum ReceivingPoints {
-    /// The centre, and four where the edge of a lamp's shadow may cross the patch (lines only).
+    /// The centre, and up to sixteen where that lies under something: direct light, whose shadows are sharp, stands on
+    /// elements and needs no more.
     #[default]
     Auto,
     /// The centre alone, as in 1985.

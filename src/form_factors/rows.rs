@@ -6,10 +6,10 @@ use super::receiving::{ReceivingPoints, points_of, points_of_cluster};
 use super::{Fan, Hemicube, HemicubeSampler, LineSampler, Method, Row, RowBuffer, Viewpoint, ray_rows};
 use crate::effects;
 use crate::geometry::Frame;
-use crate::mesh::{Patch, PatchMesh, Piece, Side};
+use crate::mesh::{PatchMesh, Piece, Side};
 use crate::visibility::{Occluders, RayScene, Viewer};
 use crate::watch::Cancelled;
-use glam::{DVec2, DVec3};
+use glam::DVec3;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
@@ -28,38 +28,8 @@ pub struct RowComputer {
     is_convex: bool,
     /// Without occlusion, where nothing lies behind anything.
     convex: Option<ConvexRows>,
-    /// Where to aim shadow rays at.
-    lamps: Vec<Target>,
     /// Rows of patches and points computed so far, by all clones together.
     computed: Arc<AtomicU64>,
-}
-
-/// A region of a lamp as seen by shadow rays.
-#[derive(Clone, Debug)]
-struct Target {
-    /// One of its patches.
-    patch: u32,
-    /// Just inside its outline: its ends along the diagonals of its plane coordinates.
-    ends: [DVec3; 4],
-    /// From its middle to the farthest of these, metres.
-    radius: f64,
-}
-
-impl Target {
-    fn new(mesh: &PatchMesh, patch: u32) -> Self {
-        let region = &mesh.regions[mesh.patches[patch as usize].region as usize];
-        let corners = || region.edges.iter().map(|edge| edge[0]);
-        let middle = corners().sum::<DVec2>() / region.edges.len().max(1) as f64;
-        let end = |u: f64, v: f64| {
-            let along = |c: &DVec2| c.dot(DVec2::new(u, v));
-            let corner = corners().max_by(|a, b| along(a).total_cmp(&along(b))).unwrap_or(middle);
-            middle + (corner - middle) * INSIDE
-        };
-        let ends = [end(1.0, 1.0), end(-1.0, 1.0), end(-1.0, -1.0), end(1.0, -1.0)];
-        let radius = ends.iter().map(|e| e.distance(middle)).fold(0.0, f64::max);
-        let Frame { tangent, bitangent, .. } = region.frame;
-        Self { patch, ends: ends.map(|e| region.origin + tangent * e.x + bitangent * e.y), radius }
-    }
 }
 
 /// The fans of the line method.
@@ -121,13 +91,6 @@ const LAMP_FINER: u32 = 4;
 /// add up.
 const COARSE: f64 = 0.67;
 const COARSER: f64 = 0.5;
-/// From this many half-planes on, four points would be what is wrong about a patch with a shadow's edge.
-const FINE_SHADOWS: usize = 384;
-
-/// Shadow rays go between points this far out from the middles of patch and lamp to their corners.
-const INSIDE: f64 = 0.9;
-/// Of a lamp whose radius is less than this share of its distance the middle stands for the whole.
-const POINT_LIKE: f64 = 0.1;
 /// A centre that misses more than this of its row may lie under something.
 const HIDDEN: f64 = 0.01;
 
@@ -180,16 +143,6 @@ impl RowComputer {
             Method::AlignedHemicube => Sampler::Hemicube(Hemicube::new(resolution), false),
             Method::Rays => Sampler::Rays(resolution.max(1)),
         };
-        let mut lamps: Vec<Target> = Vec::new();
-        for (index, patch) in mesh.patches.iter().enumerate() {
-            let last = lamps.last().map(|l| &mesh.patches[l.patch as usize]);
-            if patch.luminaire.is_some()
-                && !patch.buried
-                && last.is_none_or(|l| (l.region, l.side) != (patch.region, patch.side))
-            {
-                lamps.push(Target::new(&mesh, index as u32));
-            }
-        }
         Ok(Self {
             occluders: Occluders::new(&mesh, cancelled)?,
             rays: RayScene::new(&mesh, cancelled)?,
@@ -200,7 +153,6 @@ impl RowComputer {
             sampling,
             points,
             visibility,
-            lamps,
             computed: Arc::default(),
         })
     }
@@ -257,8 +209,7 @@ impl RowComputer {
         }
     }
 
-    /// The row of a patch: gathered at its centre, or at several points where a shadow's edge may
-    /// cross it.
+    /// The row of a patch: gathered at its centre, or at several points where something may stand on that.
     pub fn row(&self, patch: u32, scratch: &mut RowScratch) -> Row {
         self.computed.fetch_add(1, Ordering::Relaxed);
         let p = &self.mesh.patches[patch as usize];
@@ -282,10 +233,10 @@ impl RowComputer {
                 let row = scratch.row.take();
                 // A centre under something that stands on the patch sees but its dark inside.
                 let hidden = row.sum() < 1.0 - HIDDEN && self.rays.covered(p.centre, &frame);
-                if !hidden && !self.crosses_shadow(patch, scratch) {
+                if !hidden {
                     return row;
                 }
-                self.at_shadows()
+                ReceivingPoints::Four
             }
             wanted => wanted,
         };
@@ -338,21 +289,6 @@ impl RowComputer {
         Row { open: share, ..scratch.row.take() }
     }
 
-    /// How many times as many half-planes a row that a shadow's edge crosses takes as one gathered at its
-    /// centre, with the default method, so many half-planes and receiving points chosen by it.
-    pub fn shadowed_lines(lines: u32) -> f64 {
-        // The centre is looked at first.
-        if lines as usize >= FINE_SHADOWS { 1.0 + 16.0 * COARSER } else { 1.0 + 4.0 * COARSE }
-    }
-
-    /// At how many points a patch is gathered that a shadow's edge may cross.
-    fn at_shadows(&self) -> ReceivingPoints {
-        match &self.sampler {
-            Sampler::Lines(fans) if fans.full.len() >= FINE_SHADOWS => ReceivingPoints::Sixteen,
-            _ => ReceivingPoints::Four,
-        }
-    }
-
     /// Which of a patch's receiving points lie under something: one bit each.
     fn covered(&self, patch: u32, at: ReceivingPoints, frame: &Frame) -> u32 {
         (0_u32..)
@@ -366,44 +302,6 @@ impl RowComputer {
         let p = &self.mesh.patches[patch as usize];
         self.gather_unoccluded(p.centre, p.normal, scratch);
         scratch.row.take()
-    }
-
-    /// Whether some lamp is seen in part from the centre, or from some of its centre and corners and not from
-    /// others.
-    fn crosses_shadow(&self, patch: u32, scratch: &RowScratch) -> bool {
-        let Sampler::Lines(..) = self.sampler else { return false };
-        let p = &self.mesh.patches[patch as usize];
-        if p.luminaire.is_some() {
-            return false;
-        }
-        if scratch.lines.in_penumbra(&self.occluders) {
-            return true;
-        }
-        let share = |lamp: &Patch, x: DVec3| {
-            let to_lamp = lamp.centre - x;
-            // In each other's plane they see nothing, whatever rounding says.
-            let clear = |height: f64| if height > 1e-7 * to_lamp.length() { height } else { 0.0 };
-            let cosines = clear(p.normal.dot(to_lamp)) * clear(-lamp.normal.dot(to_lamp));
-            lamp.area * cosines / to_lamp.length_squared().powi(2).max(f64::MIN_POSITIVE)
-        };
-        let lamps = self.lamps.iter().map(|target| (target, &self.mesh.patches[target.patch as usize]));
-        let shares: Vec<(f64, &Target, &Patch)> =
-            lamps.map(|(target, lamp)| (share(lamp, p.centre), target, lamp)).collect();
-        let largest = shares.iter().map(|s| s.0).fold(0.0, f64::max);
-        let corners = self.mesh.pieces_of(p).flat_map(|piece| self.mesh.corners_of(piece));
-        // What stands in the middle of a patch may hide nothing from its corners.
-        let points: Vec<DVec3> = std::iter::once(p.centre)
-            .chain(corners.map(|c| p.centre + (self.mesh.vertices[c.vertex as usize] - p.centre) * INSIDE))
-            .collect();
-        shares.iter().filter(|s| s.0 > 0.1 * largest).any(|(_, target, lamp)| {
-            let near = target.radius > POINT_LIKE * lamp.centre.distance(p.centre);
-            let ends = if near { &target.ends[..] } else { &[] };
-            let mut seen = std::iter::once(&lamp.centre)
-                .chain(ends)
-                .flat_map(|end| points.iter().map(|&x| share(lamp, x) > 0.0 && self.rays.visible(x, *end)));
-            let first = seen.next();
-            seen.any(|s| Some(s) != first)
-        })
     }
 
     /// The receiving points of a patch without those that are `covered` (a bit each), with their shares

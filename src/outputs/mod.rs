@@ -18,7 +18,6 @@ pub fn in_detail(detail: &Detail) -> crate::display::Detail<'_> {
     crate::display::Detail {
         direct: &detail.direct,
         interreflected: &detail.interreflected,
-        of_patches: &detail.of_patches,
         reflectance: &detail.reflectance,
     }
 }

@@ -1,5 +1,6 @@
 //! Where the files that a model names are looked for.
 
+use crate::watch::{self, Cancelled};
 use std::io;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, SystemTime};
@@ -48,6 +49,17 @@ impl<'a> Files<'a> {
             Self::Folder { cancelled, .. } if cancelled() => Err(io::ErrorKind::Interrupted.into()),
             Self::Folder { folder, .. } => locate(name, &[library.parent().unwrap_or(folder), folder]),
             Self::Library(_) => Err(io::ErrorKind::NotFound.into()),
+        }
+    }
+
+    /// Does work that cannot be asked to end, as [`watch::apart`].
+    pub(super) fn apart<T: Send + 'static>(
+        &self,
+        work: impl FnOnce() -> T + Send + 'static,
+    ) -> Result<Option<T>, Cancelled> {
+        match self {
+            Self::Folder { cancelled, .. } => watch::apart(cancelled, work),
+            Self::Library(_) => watch::apart(&|| false, work),
         }
     }
 

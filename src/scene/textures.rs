@@ -3,6 +3,7 @@
 use super::lookup::{Files, read_plain, reason};
 use super::map::Map;
 use super::types::{MAX_REFLECTANCE, Texture};
+use crate::watch::Cancelled;
 use image::{ImageFormat, ImageReader};
 use std::collections::HashMap;
 use std::io::Cursor;
@@ -28,7 +29,7 @@ impl Textures {
         if let Some(known) = self.known.get(&key) {
             return known.clone();
         }
-        let index = linear(&key.0).map(|image| {
+        let index = linear(&key.0, files).map(|image| {
             self.list.push(image.texture(map));
             self.list.len() as u32 - 1
         });
@@ -39,7 +40,8 @@ impl Textures {
     /// Mean of an image of emissions per band, 0 or more.
     pub(super) fn mean(&mut self, map: &Map, library: &Path, files: Files<'_>) -> Result<[f64; 3], String> {
         let path = files.image(&map.image, library).map_err(|error| reason(&error))?;
-        let mean = self.means.entry(path).or_insert_with_key(|path| linear(path).map(|image| image.mean()));
+        let mean =
+            self.means.entry(path).or_insert_with_key(|path| linear(path, files).map(|image| image.mean()));
         let [base, gain] = map.range.unwrap_or([0.0, 1.0]);
         mean.clone().map(|mean| mean.map(|m| (base + gain * m).max(0.0)))
     }
@@ -52,8 +54,15 @@ struct Linear {
     pixels: Vec<[f32; 3]>,
 }
 
-fn linear(path: &Path) -> Result<Linear, String> {
-    decode(path, &read_plain(path).map_err(|error| reason(&error))?)
+/// Reads an image on a thread of its own: whoever cancels is not to wait for a large one.
+fn linear(path: &Path, files: Files<'_>) -> Result<Linear, String> {
+    let file = path.to_owned();
+    let read = move || decode(&file, &read_plain(&file).map_err(|error| reason(&error))?);
+    match files.apart(read) {
+        Ok(Some(image)) => image,
+        Ok(None) => Err("it cannot be decoded".to_owned()),
+        Err(Cancelled) => Err("reading was ended".to_owned()),
+    }
 }
 
 /// The formats that are read, by the bytes or, as TGA cannot be told by them, by the ending.

@@ -28,13 +28,14 @@ pub struct Recompute {
 }
 
 impl Recompute {
-    /// Geometry and patch size ask for a mesh (and rows, if it differs); method and effects for rows;
+    /// Geometry, patch size and the fineness of direct light ask for a mesh (and rows, if it differs); method and effects for rows;
     /// reflectances and tolerance for sweeps alone, which every request makes until it converges.
     pub(super) fn between(state: &State, wanted: &Wanted) -> Self {
         let (old, new) = (&state.settings, &wanted.settings);
         let scene = state.opened != wanted.opened || state.scene.is_none();
         let method = old.sampling() != new.sampling() || old.effects != new.effects;
-        let split = old.patches != new.patches || old.refinement != new.refinement;
+        let split =
+            old.patches != new.patches || old.refinement != new.refinement || old.direct != new.direct;
         let lamps = match (&state.read, &state.scene) {
             (Some(read), Some(present)) if !scene => {
                 wanted.lamps_of(read).is_some_and(|lamps| *lamps != present.placed)

@@ -12,6 +12,7 @@ use crate::solve::{
 };
 use crate::solver::{LightBases, System};
 use crate::transport::Transport;
+use crate::watch::Cancelled;
 use rayon::ThreadPool;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -341,8 +342,17 @@ impl Worker<'_> {
         if are_new || self.element_light().is_some_and(|elements| !elements.serves(&system)) {
             self.settle_elements(&prepared, &system)?;
         }
-        let system = system.with_direct(self.element_light().map(|elements| &elements.of_patches));
         let transport = self.state.transport.clone().ok_or(Failure::Cancelled)?;
+        if let Some(elements) = self.element_light().map(|elements| ElementLight::clone(elements)) {
+            let cancelled = || self.shared.cancel.load(Ordering::Acquire);
+            let elements = elements
+                .with_reflectance(transport.as_ref(), &system, &cancelled)
+                .map_err(|Cancelled| Failure::Cancelled)?;
+            if let Some(solution) = self.snapshot.solution_mut() {
+                solution.element_light = Some(Arc::new(elements));
+            }
+        }
+        let system = system.with_direct(self.element_light().map(|elements| &elements.given));
         let start = self.state.bases.clone();
         let tolerance = self.state.settings.tolerance;
         let (bases, sweeps) = self.with_run(|run| {

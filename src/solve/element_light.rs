@@ -1,11 +1,12 @@
 use super::pipeline::Prepared;
+use super::uneven::UnevenLight;
 use crate::direct::{DirectLight, ElementSettings, Elements};
 use crate::effects::Effect;
 use crate::emitters::Basis;
 use crate::mesh::PatchMesh;
-use crate::scene::{Lighting, luminance_weighted};
+use crate::scene::{Lighting, Scene, luminance_weighted};
 use crate::solver::{Detail, LightBases, PatchLight, System, direct_bases};
-use crate::transport::Transport;
+use crate::transport::{LANES, Lanes, Transport};
 use crate::watch::{Cancelled, Watch};
 use std::sync::Arc;
 
@@ -23,14 +24,12 @@ pub struct ElementLight {
     pub of_patches: Arc<LightBases>,
     /// What it was scaled by, per luminaire and band; 1 until the transport stands.
     pub scaling: Arc<[f32]>,
+    /// What it brings to near patches since it does not leave patches evenly; nothing until the transport stands.
+    pub uneven: Arc<UnevenLight>,
+    /// What arrives at the patches besides what passes between them evenly, per luminaire: their direct light and what
+    /// [`Self::uneven`] comes to with the present reflectances.
+    pub given: Arc<LightBases>,
 }
-
-/// Division ends once direct light is expected to be off by this share of itself, RMS.
-const ERROR: f64 = 0.005;
-/// Elements at most, besides the triangles of the mesh.
-const MOST: usize = 24_000;
-/// Where faces are a great many, so are the shadows that they throw.
-const MOST_AMONG_MANY: usize = 60_000;
 
 impl ElementLight {
     /// Divides the patches of a scene by its direct light.
@@ -42,41 +41,37 @@ impl ElementLight {
         let Prepared { scene, mesh, plan, .. } = prepared;
         let light = DirectLight::new(mesh, plan.is_on(Effect::Visibility));
         let bases = light.emitters().bases.clone();
-        let exitance = |basis: &Basis| {
-            let full = scene.luminaires[basis.lamp as usize].initial.exitance;
-            luminance_weighted(std::array::from_fn(|band| full[band] * basis.weight[band]))
-        };
         let settings = ElementSettings {
-            error: ERROR,
-            most: if mesh.clusters.is_empty() { MOST } else { MOST_AMONG_MANY },
-            exitance: bases.iter().map(exitance).collect(),
+            error: prepared.direct.error,
+            most: prepared.direct.most,
+            exitance: exitances(scene, &bases),
             smooth: plan.is_on(Effect::SmoothSurfaces),
         };
         let elements = Elements::build(mesh, &light, &settings, watch)?;
         Ok(Self::new(elements, light, mesh, system))
     }
 
-    /// The same once the transport stands: where elements are too coarse to be trusted, or lie under something, patches
+    /// The same once the transport stands: where patches lie under something they
     /// have the direct light that the transport carries, and what each lamp sends to other surfaces arrives there as a whole.
     ///
     /// # Errors
     /// It was `cancelled`.
     pub fn settled(
         self,
-        mesh: &PatchMesh,
+        prepared: &Prepared,
         transport: &dyn Transport,
         system: &System,
         cancelled: &(dyn Fn() -> bool + Sync),
     ) -> Result<Self, Cancelled> {
+        let Prepared { mesh, scene, computer, .. } = prepared;
         let means = means(&self.elements, &self.bases, mesh, (system.lamps, system.bands));
         let carried = direct_bases(transport, system, cancelled)?;
         let columns = system.columns();
-        let trust = self.elements.trust_in_patches(system.patches());
         let mut values = Vec::with_capacity(carried.values.len());
         let (mut sent, mut arriving) = (vec![0.0_f64; columns], vec![0.0_f64; columns]);
-        for (i, &trust) in trust.iter().enumerate() {
+        for i in 0..system.patches() {
             let row_sum = transport.row_sum(i);
-            let share = if transport.sees(i) { trust * transport.quality(i).open } else { 0.0 };
+            let share = if transport.sees(i) { transport.quality(i).open } else { 0.0 };
             for column in 0..columns {
                 let at = i * columns + column;
                 let (own, carried) = (means.values[at], carried.values[at]);
@@ -96,19 +91,78 @@ impl ElementLight {
                 own.iter_mut().zip(scaling.iter()).for_each(|(value, scale)| *value *= scale);
             }
         }
-        Ok(Self { of_patches: Arc::new(LightBases { values, ..carried }), scaling, ..self })
+        let exitance = exitances(scene, &self.bases);
+        let mut nobody = |_| {};
+        let mut watch = Watch::new(cancelled, &mut nobody);
+        let uneven = UnevenLight::find(computer, transport, &self.elements, &exitance, &mut watch)?;
+        let of_patches = Arc::new(LightBases { values, ..carried });
+        Self { of_patches, scaling, uneven: Arc::new(uneven), ..self }
+            .with_reflectance(transport, system, cancelled)
+    }
+
+    /// The same with the reflectances of this system: what leaves near patches unevenly goes with them.
+    ///
+    /// Each lamp's first reflection is scaled to what it is when it leaves patches evenly, so that no power is lost.
+    ///
+    /// # Errors
+    /// It was `cancelled`.
+    pub fn with_reflectance(
+        self,
+        transport: &dyn Transport,
+        system: &System,
+        cancelled: &(dyn Fn() -> bool + Sync),
+    ) -> Result<Self, Cancelled> {
+        if self.uneven.entries() == 0 {
+            return Ok(Self { given: Arc::clone(&self.of_patches), ..self });
+        }
+        let columns = system.columns();
+        let shift = self.uneven.arriving(&self.bases, system);
+        let mut given = LightBases::clone(&self.of_patches);
+        let mut even = vec![[0.0; LANES]; system.patches()];
+        for first in (0..columns).step_by(LANES) {
+            let sent: Vec<Lanes> = (0..system.patches())
+                .map(|i| {
+                    std::array::from_fn(|lane| match first + lane {
+                        column if column < columns => {
+                            system.rho(i, column) * f64::from(self.of_patches.values[i * columns + column])
+                        }
+                        _ => 0.0,
+                    })
+                })
+                .collect();
+            transport.gather(0..system.patches(), &sent, &mut even, cancelled);
+            if cancelled() {
+                return Err(Cancelled);
+            }
+            for column in first..(first + LANES).min(columns) {
+                let (mut evenly, mut shifted) = (0.0, 0.0);
+                for (i, even) in even.iter().enumerate() {
+                    evenly += system.areas[i] * even[column - first];
+                    shifted += system.areas[i] * shift[i * columns + column];
+                }
+                let scale = if evenly + shifted > 0.0 { evenly / (evenly + shifted) } else { 1.0 };
+                for (i, even) in even.iter().enumerate() {
+                    let even = even[column - first];
+                    given.values[i * columns + column] +=
+                        (scale * (even + shift[i * columns + column]) - even) as f32;
+                }
+            }
+        }
+        Ok(Self { given: Arc::new(given), ..self })
     }
 
     /// Elements of a mesh; the patches are taken to have the mean of what is on them.
     fn new(elements: Elements, direct: DirectLight, mesh: &PatchMesh, system: &System) -> Self {
         let bases = direct.emitters().bases.clone();
-        let of_patches = means(&elements, &bases, mesh, (system.lamps, system.bands));
+        let of_patches = Arc::new(means(&elements, &bases, mesh, (system.lamps, system.bands)));
         Self {
             elements: Arc::new(elements),
             direct: Arc::new(direct),
             bases,
-            of_patches: Arc::new(of_patches),
+            given: Arc::clone(&of_patches),
+            of_patches,
             scaling: vec![1.0; system.columns()].into(),
+            uneven: Arc::default(),
         }
     }
 
@@ -146,7 +200,8 @@ impl ElementLight {
             .zip(&of_patches)
             .map(|(whole, direct)| std::array::from_fn(|band| (whole[band] - direct[band]).max(0.0)))
             .collect();
-        Detail { direct, interreflected, of_patches, outputs, reflectance: Arc::clone(reflectance) }
+        let given = self.given.sum(lighting, light.irradiance.len());
+        Detail { direct, interreflected, of_patches, given, outputs, reflectance: Arc::clone(reflectance) }
     }
 
     /// `light` of these lamps with its detail; patches have these reflectances.
@@ -158,6 +213,15 @@ impl ElementLight {
     ) -> PatchLight {
         PatchLight { detail: Some(Arc::new(self.detail(&light, lighting, reflectance))), ..light }
     }
+}
+
+/// What counts of each basis: luminance of its exitance at full output, W/m².
+fn exitances(scene: &Scene, bases: &[Basis]) -> Vec<f64> {
+    let of = |basis: &Basis| {
+        let full = scene.luminaires[basis.lamp as usize].initial.exitance;
+        luminance_weighted(std::array::from_fn(|band| full[band] * basis.weight[band]))
+    };
+    bases.iter().map(of).collect()
 }
 
 /// The means over the patches of the light on their elements, per luminaire and band.
@@ -173,10 +237,8 @@ fn means(
     if !bases.is_empty() {
         for (own, means) in values.chunks_exact_mut(lamps * bands).zip(means.chunks_exact(bases.len())) {
             for (basis, &mean) in bases.iter().zip(means) {
-                let grey = basis.weight.iter().sum::<f64>() / 3.0;
                 for band in 0..bands {
-                    let weight = if bands == 1 { grey } else { basis.weight[band] };
-                    own[basis.lamp as usize * bands + band] += weight as f32 * mean;
+                    own[basis.lamp as usize * bands + band] += basis.weight_of(band, bands) as f32 * mean;
                 }
             }
         }

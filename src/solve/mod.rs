@@ -7,6 +7,7 @@ mod error;
 mod memory;
 mod pipeline;
 mod solution;
+mod uneven;
 mod watched;
 
 pub use effect_costs::{effect_costs, measured};
@@ -14,7 +15,8 @@ pub use element_light::ElementLight;
 pub use error::PipelineError;
 pub use memory::available_bytes;
 pub use pipeline::{
-    Control, Prepared, Progress, Run, SolveSettings, Stage, Timings, patch_reflectance, prepare, solve,
-    system, without_light,
+    Control, DirectTarget, Prepared, Progress, Run, SolveSettings, Stage, Timings, patch_reflectance,
+    prepare, solve, system, without_light,
 };
 pub use solution::Solution;
+pub use uneven::UnevenLight;

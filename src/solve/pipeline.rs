@@ -31,6 +31,8 @@ pub struct SolveSettings {
     pub resolution: Option<u32>,
     /// At how many points of a patch its row is gathered.
     pub points: ReceivingPoints,
+    /// How finely direct light is laid out.
+    pub direct: DirectTarget,
     /// The solve stops at this relative error bound; above zero.
     pub tolerance: f64,
     /// Effects forced on or off.
@@ -45,6 +47,7 @@ impl Default for SolveSettings {
             method: Method::default(),
             resolution: None,
             points: ReceivingPoints::default(),
+            direct: DirectTarget::default(),
             tolerance: 1e-4,
             effects: EffectChoices::default(),
         }
@@ -55,6 +58,21 @@ impl SolveSettings {
     /// What rows depend on besides the mesh and the effects.
     pub fn sampling(&self) -> Sampling {
         Sampling { method: self.method, resolution: self.resolution, points: self.points }
+    }
+}
+
+/// How finely direct light is laid out on elements.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct DirectTarget {
+    /// What it is to be off by at most, as [`crate::direct::ElementSettings::error`] has it; above zero.
+    pub error: f64,
+    /// Elements at most, besides the triangles of the mesh.
+    pub most: usize,
+}
+
+impl Default for DirectTarget {
+    fn default() -> Self {
+        Self { error: 0.02, most: 60_000 }
     }
 }
 
@@ -185,6 +203,8 @@ pub struct Prepared {
     pub plan: Arc<EffectPlan>,
     /// Computes rows.
     pub computer: Arc<RowComputer>,
+    /// How finely direct light is to be laid out.
+    pub direct: DirectTarget,
     /// Seconds so far.
     pub timings: Timings,
 }
@@ -231,7 +251,7 @@ pub(super) fn prepare_watched(
     let sampling = settings.sampling();
     let computer = RowComputer::new_unless(mesh.clone(), sampling, visibility, watch.cancelled())?;
     let computer = Arc::new(computer);
-    Ok(Prepared { scene, survey, mesh, plan, computer, timings })
+    Ok(Prepared { scene, survey, mesh, plan, computer, direct: settings.direct, timings })
 }
 
 /// Reflectance of every patch with some materials changed: `material(index)` gives the new one.
@@ -425,14 +445,17 @@ impl<'a> Run<'a> {
     /// # Errors
     /// The run was ended.
     pub fn settle(
-        &self,
+        &mut self,
         prepared: &Prepared,
         elements: ElementLight,
         transport: &dyn Transport,
         system: &System,
     ) -> Result<ElementLight, PipelineError> {
+        let clock = self.clock();
         let cancel = self.cancel;
-        Ok(elements.settled(&prepared.mesh, transport, system, &|| cancel.load(Ordering::Relaxed))?)
+        let settled = elements.settled(prepared, transport, system, &|| cancel.load(Ordering::Relaxed))?;
+        self.timings.elements += clock.seconds(self);
+        Ok(settled)
     }
 
     /// Makes the rows reciprocal and closed. They are emptied on the way, to make room; those that are left
@@ -510,7 +533,7 @@ impl Run<'_> {
         let transport = self.assemble(prepared, &mut rows)?;
         let settle = |elements| self.settle(prepared, elements, transport.as_ref(), &system).map(Arc::new);
         let elements = elements.map(settle).transpose()?;
-        let system = system.with_direct(elements.as_ref().map(|elements| &elements.of_patches));
+        let system = system.with_direct(elements.as_ref().map(|elements| &elements.given));
         let (bases, sweeps) =
             self.sweeps(prepared, transport.as_ref(), &system, Some(&start), settings.tolerance)?;
         Ok(Solution {

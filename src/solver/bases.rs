@@ -42,6 +42,9 @@ pub struct Detail {
     pub interreflected: Vec<[f32; 3]>,
     /// What of the light of each patch comes from the lamps by itself.
     pub of_patches: Vec<[f32; 3]>,
+    /// What arrives at each patch besides what passes between patches evenly: `of_patches`, and what leaves near patches
+    /// from a spot.
+    pub given: Vec<[f32; 3]>,
     /// Exitance of each basis of the direct light as the lamps stand, W/m² per band.
     pub outputs: Vec<[f32; 3]>,
     /// Reflectance of each patch per band.

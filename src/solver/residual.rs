@@ -6,7 +6,7 @@ use crate::transport::Transport;
 ///
 /// `reflectance` and `light` have one entry per patch; patches without one count as black and dark.
 pub fn gathered(transport: &dyn Transport, reflectance: &[[f32; 3]], light: &PatchLight) -> Vec<[f64; 3]> {
-    let direct = light.detail.as_ref().map(|detail| &detail.of_patches);
+    let direct = light.detail.as_ref().map(|detail| &detail.given);
     let sent: Vec<[f64; 3]> = (0..transport.len())
         .map(|j| match direct {
             Some(_) => {

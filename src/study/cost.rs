@@ -2,7 +2,6 @@
 
 use super::trial::{Pace, Trial};
 use crate::accuracy::ErrorBudget;
-use crate::form_factors::RowComputer;
 use crate::solve::{Prepared, Solution, Timings};
 
 /// How fine a solve is: what its cost and its error depend on.
@@ -29,8 +28,6 @@ pub struct Measured {
     pub columns: f64,
     /// What work costs on this machine.
     pub pace: Pace,
-    /// Share of the rows that were gathered at several points.
-    pub shadowed: f64,
     /// Form factors and visibility, relative.
     pub form_factors: f64,
     /// Patches, relative.
@@ -99,7 +96,6 @@ impl Measured {
             whole: solved.mesh.statistics.whole_sides as f64,
             columns: (solved.bases.lamps * solved.bases.bands) as f64,
             pace,
-            shadowed: solved.assembled().several_points as f64 / solved.mesh.patches.len().max(1) as f64,
             form_factors: error(&|b| b.form_factors.error),
             mesh: error(&|b| b.mesh.error),
             total: error(&|b| b.total.error),
@@ -115,8 +111,7 @@ impl Measured {
 
     /// What a row by so many lines costs in the mean, as lines.
     fn row(&self, lines: f64) -> f64 {
-        let several = RowComputer::shadowed_lines(lines as u32);
-        (lines + self.pace.overhead) * (1.0 + self.shadowed * (several - 1.0))
+        lines + self.pace.overhead
     }
 
     fn is_audited(&self) -> bool {
@@ -165,7 +160,7 @@ impl CostModel {
         Some(base.entries * growth * found(wanted) / found(base.fineness))
     }
 
-    /// Seconds of balancing and sweeping so many form factors of so many patches.
+    /// Seconds of balancing and sweeping so many form factors of so many patches, and of direct light.
     fn rest(&self, patches: f64, entries: f64) -> Option<f64> {
         let base = self.measured.last()?;
         // Finer patches have more close pairs, but smaller ones, which are close to fewer.
@@ -174,7 +169,8 @@ impl CostModel {
         let balance = of_factors * entries / base.entries.max(1.0) + close;
         let sweeps = base.nominal_sweeps(patches, entries);
         let of_base = base.nominal_sweeps(base.fineness.patches, base.entries).max(f64::MIN_POSITIVE);
-        Some(base.timings.sweeps * sweeps / of_base + balance)
+        // Direct light is laid out as finely whatever the patches.
+        Some(base.timings.sweeps * sweeps / of_base + balance + base.timings.elements)
     }
 
     /// Seconds of a solve that is meshed already, of which some rows were tried; `None` before the first
@@ -299,7 +295,6 @@ impl Measured {
             whole: 0.0,
             columns: 3.0,
             pace: Pace { overhead: 24.0, gathering: 1e-9 },
-            shadowed: 0.0,
             form_factors,
             mesh,
             total: form_factors.hypot(mesh),
@@ -340,12 +335,6 @@ mod tests {
         slow.learn(Measured { pace: Pace { overhead: 300.0, ..base.pace }, ..base });
         let fewer = Fineness { patches: 1000.0, lines: 24.0 };
         assert!(slow.seconds(fewer).unwrap() > 1.1 * at(1000.0, 24.0));
-        // From 384 lines on a shadow's edge takes sixteen points: 1 + 8 for 1 + 2.68 half-planes.
-        let mut shady = CostModel::default();
-        shady.learn(Measured { shadowed: 1.0, ..base });
-        let by = |model: &CostModel, lines: f64| model.seconds(Fineness { patches: 1000.0, lines }).unwrap();
-        let rows = |model: &CostModel| by(model, 384.0) - by(model, 256.0) * (384.0 + 24.0) / (256.0 + 24.0);
-        assert!(rows(&shady) > 5.0 * base.timings.rows && rows(&model).abs() < base.timings.solve());
     }
 
     #[test]

@@ -7,7 +7,7 @@ use crate::accuracy::{AuditSettings, ErrorBudget};
 use crate::effects::EffectChoices;
 use crate::form_factors::{Method, ReceivingPoints};
 use crate::mesh::{PatchTarget, Refinement};
-use crate::solve::SolveSettings;
+use crate::solve::{DirectTarget, SolveSettings};
 use std::fmt;
 use std::sync::Arc;
 
@@ -21,10 +21,19 @@ pub const MOST_SOLVES: usize = 6;
 const AIM: [f64; 2] = [0.78, 0.86];
 /// Of the seconds left a solve may be predicted to take this part.
 const TIME_AIM: f64 = 0.7;
+/// Direct light takes this part of the error asked for: it is cheap, and what it is off by no patches mend.
+const DIRECT: f64 = 0.3;
+/// Elements at most.
+const MOST_ELEMENTS: usize = 1_000_000;
+/// Within a time direct light gets so many elements for each second, and is better than this at most.
+const ELEMENTS_A_SECOND: f64 = 1000.0;
+const BEST_DIRECT: f64 = 2e-3;
 /// With time left, another solve is made where it is predicted to leave this part of the error at most.
 const GAIN: f64 = 0.8;
 /// Noise that the shares of area may have of rays in these audits, which a user waits for.
 const QUICK_NOISE: f64 = 0.02;
+/// And the whole of a receiver, see [`AuditSettings::noise`]: more receivers tell more than fewer rays take away.
+const NOISE: f64 = 3.0;
 /// Where no mesh in memory promises the error, further solves take so many seconds, or as long as was spent on
 /// those before.
 const CONSOLATION: f64 = 60.0;
@@ -246,6 +255,13 @@ impl GoalRun {
             method: Method::Lines,
             resolution: Some(self.next.lines as u32),
             points: ReceivingPoints::Auto,
+            direct: match self.goal {
+                Goal::Error(error) => DirectTarget { error: DIRECT * error, most: MOST_ELEMENTS },
+                Goal::Seconds(seconds) => DirectTarget {
+                    error: BEST_DIRECT,
+                    most: (seconds * ELEMENTS_A_SECOND).clamp(1e3, MOST_ELEMENTS as f64) as usize,
+                },
+            },
             // The sweeps add nothing to its error that counts.
             tolerance,
             effects: self.effects.clone(),
@@ -261,7 +277,8 @@ impl GoalRun {
                 precision: 0.05,
                 resolve: 0.2 * error,
                 local_noise: QUICK_NOISE,
-                seconds: (2.0 * seconds).clamp(6.0, 60.0),
+                noise: NOISE,
+                seconds: (2.0 * seconds).clamp(3.0, 60.0),
                 decide: Some(error),
                 ..AuditSettings::default()
             },
@@ -269,6 +286,7 @@ impl GoalRun {
                 precision: 0.15,
                 resolve: 2e-3,
                 local_noise: QUICK_NOISE,
+                noise: NOISE,
                 seconds: (0.3 * seconds).max(0.15).min(0.4 * self.left(elapsed)),
                 ..AuditSettings::default()
             },
