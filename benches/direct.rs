@@ -23,8 +23,9 @@ fn light_of(prepared: &Prepared) -> DirectLight {
 
 fn settings(light: &DirectLight) -> ElementSettings {
     ElementSettings {
-        error: 0.005,
-        most: 24_000,
+        error: 0.02,
+        most: 60_000,
+        work: u64::MAX,
         exitance: vec![1.0; light.emitters().bases.len()],
         smooth: true,
     }

@@ -96,7 +96,7 @@ pub(super) struct SolveOptions {
     /// At how many points of a patch its row is gathered: auto, 1 (its centre), 4 or 16 [default: auto]
     #[arg(long, value_name = "N", value_parser = receiving_points())]
     pub(super) receiving_points: Option<ReceivingPoints>,
-    /// Elements that direct light is laid out on at most, besides the triangles of the mesh [default: 60000]
+    /// Elements that direct light is laid out on at most, besides the triangles of the mesh [default: 200000]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(0..=4_000_000))]
     pub(super) elements: Option<u32>,
     /// Relative error bound at which the solve stops [default: 0.0001]
@@ -128,6 +128,8 @@ impl SolveOptions {
             points: self.receiving_points.unwrap_or(defaults.points),
             direct: DirectTarget {
                 most: self.elements.map_or(defaults.direct.most, |most| most as usize),
+                // Whoever names a number waits for it.
+                work: if self.elements.is_some() { u64::MAX } else { defaults.direct.work },
                 ..defaults.direct
             },
             tolerance: self.tolerance.unwrap_or(defaults.tolerance),

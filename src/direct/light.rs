@@ -62,6 +62,9 @@ const RAYS_AMONG_MANY: f64 = 100.0;
 /// On small facets fewer, by what part of all light an emitter may give at least.
 const FEW_RAYS: [(f64, f64); 3] = [(0.2, 16.0), (0.05, 8.0), (0.005, 4.0)];
 
+/// What an emitter costs by itself, in obstacles.
+const EMITTER_WORK: usize = 4;
+
 /// Points along the edges of a grid of about so many.
 fn along_for(rays: f64) -> u32 {
     rays.sqrt().round().max(1.0) as u32
@@ -91,6 +94,11 @@ impl Views {
     /// Whether all of them are seen wholly.
     pub fn is_clear(&self) -> bool {
         self.obstacles.is_empty()
+    }
+
+    /// What a gathering there costs, in obstacles that are looked at.
+    pub(super) fn work(&self) -> u64 {
+        (EMITTER_WORK * self.sources.len() + self.obstacles.len()) as u64
     }
 
     /// Each emitter with what may hide it.

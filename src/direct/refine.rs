@@ -19,6 +19,9 @@ pub struct ElementSettings {
     pub error: f64,
     /// There are no more elements than this, besides the triangles of the mesh.
     pub most: usize,
+    /// Division ends after so much work as well, in obstacles that were looked at: a measure of time that is the same
+    /// on any machine.
+    pub work: u64,
     /// Exitance of each basis that decides what counts: luminance, W/m².
     pub exitance: Vec<f64>,
     /// Whether normals follow smooth surfaces.
@@ -63,6 +66,8 @@ struct Refinement<'a> {
     /// Mean light of all bases together.
     mean: f64,
     area: f64,
+    /// Obstacles looked at so far.
+    work: u64,
     /// Nearer than this to a plane nothing is hidden by it, metres.
     inset: f64,
     shortest: f64,
@@ -107,6 +112,7 @@ impl Elements {
             borders,
             mean: 0.0,
             area: 0.0,
+            work: 0,
             inset,
             shortest: SHORTEST * mesh.size,
         };
@@ -225,6 +231,7 @@ impl Refinement<'_> {
                 }
             }
         }
+        self.work += wanted.iter().map(|&(index, _)| self.views[index as usize].work()).sum::<u64>();
         let lights = watch.map(&wanted, |_, &(index, k)| {
             let (corner, point) = self.middle(index, k);
             let views = &self.views[index as usize];
@@ -332,7 +339,8 @@ impl Refinement<'_> {
         // Each division adds one; what neighbours need comes on top.
         let added = (elements.len() - self.whole) / 2;
         let room = self.settings.most.saturating_sub(added) / 3;
-        if whole <= self.settings.error * self.settings.error || room == 0 {
+        if whole <= self.settings.error * self.settings.error || room == 0 || self.work >= self.settings.work
+        {
             return Vec::new();
         }
         let mut sum = 0.0;

@@ -44,6 +44,7 @@ impl ElementLight {
         let settings = ElementSettings {
             error: prepared.direct.error,
             most: prepared.direct.most,
+            work: prepared.direct.work,
             exitance: exitances(scene, &bases),
             smooth: plan.is_on(Effect::SmoothSurfaces),
         };

@@ -68,11 +68,14 @@ pub struct DirectTarget {
     pub error: f64,
     /// Elements at most, besides the triangles of the mesh.
     pub most: usize,
+    /// Work at most, as [`crate::direct::ElementSettings::work`] has it.
+    pub work: u64,
 }
 
 impl Default for DirectTarget {
     fn default() -> Self {
-        Self { error: 0.02, most: 60_000 }
+        // Some seconds on two cores, where much stands before the lamps.
+        Self { error: 0.02, most: 200_000, work: 50_000_000 }
     }
 }
 

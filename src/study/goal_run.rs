@@ -27,6 +27,7 @@ const DIRECT: f64 = 0.3;
 const MOST_ELEMENTS: usize = 1_000_000;
 /// Within a time direct light gets so many elements for each second, and is better than this at most.
 const ELEMENTS_A_SECOND: f64 = 1000.0;
+const WORK_A_SECOND: f64 = 4e5;
 const BEST_DIRECT: f64 = 2e-3;
 /// With time left, another solve is made where it is predicted to leave this part of the error at most.
 const GAIN: f64 = 0.8;
@@ -256,9 +257,12 @@ impl GoalRun {
             resolution: Some(self.next.lines as u32),
             points: ReceivingPoints::Auto,
             direct: match self.goal {
-                Goal::Error(error) => DirectTarget { error: DIRECT * error, most: MOST_ELEMENTS },
+                Goal::Error(error) => {
+                    DirectTarget { error: DIRECT * error, most: MOST_ELEMENTS, work: u64::MAX }
+                }
                 Goal::Seconds(seconds) => DirectTarget {
                     error: BEST_DIRECT,
+                    work: (seconds * WORK_A_SECOND) as u64,
                     most: (seconds * ELEMENTS_A_SECOND).clamp(1e3, MOST_ELEMENTS as f64) as usize,
                 },
             },
