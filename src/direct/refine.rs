@@ -42,6 +42,9 @@ const BULK: f64 = 0.6;
 /// What hides the lamps from an element is looked for anew once it is so small a part of the one that it was looked
 /// for from.
 const NARROWED: f64 = 0.3;
+/// Where division has taken this part of the work that it may take, so many times the error asked for is good enough.
+const DEAR: u64 = 25;
+const NEARLY: f64 = 4.0;
 /// No edge is divided below this share of the scene's size.
 const SHORTEST: f64 = 2e-5;
 /// Passes at most.
@@ -339,8 +342,10 @@ impl Refinement<'_> {
         // Each division adds one; what neighbours need comes on top.
         let added = (elements.len() - self.whole) / 2;
         let room = self.settings.most.saturating_sub(added) / 3;
-        if whole <= self.settings.error * self.settings.error || room == 0 || self.work >= self.settings.work
-        {
+        let most = self.settings.error * self.settings.error;
+        let is_good =
+            whole <= most || whole <= most * NEARLY * NEARLY && self.work >= self.settings.work / DEAR;
+        if is_good || room == 0 || self.work >= self.settings.work {
             return Vec::new();
         }
         let mut sum = 0.0;

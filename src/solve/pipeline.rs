@@ -75,7 +75,7 @@ pub struct DirectTarget {
 impl Default for DirectTarget {
     fn default() -> Self {
         // Some seconds on two cores, where much stands before the lamps.
-        Self { error: 0.02, most: 200_000, work: 50_000_000 }
+        Self { error: 0.005, most: 200_000, work: 50_000_000 }
     }
 }
 
