@@ -141,6 +141,12 @@ impl Elements {
         &self.values[start as usize..end as usize]
     }
 
+    /// All direct light at a corner for these exitances of the bases, in units of theirs.
+    pub fn watts_at(&self, corner: u32, exitance: &[f64]) -> f64 {
+        let light = self.light_at(corner).iter();
+        light.map(|&(basis, value)| f64::from(value) * exitance[basis as usize]).sum()
+    }
+
     /// Adds the light of the next corner, bases in rising order.
     pub(super) fn push_light(&mut self, light: &[(u32, f32)]) {
         self.values.extend_from_slice(light);

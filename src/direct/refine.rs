@@ -291,20 +291,15 @@ impl Refinement<'_> {
         if !differs && !views.is_clear() {
             let cell = self.elements.positions(element);
             let normal = self.elements.corners[element.corners[0] as usize].normal;
-            let here = element.corners.iter().map(|&corner| self.watts(corner)).sum::<f64>() / 3.0;
             let exitance = &self.settings.exitance;
+            let corners = element.corners.iter();
+            let here = corners.map(|&corner| self.elements.watts_at(corner, exitance)).sum::<f64>() / 3.0;
             let shadow =
                 with_scratch(|scratch| self.light.possible_shadow(cell, normal, views, exitance, scratch));
             // Nothing can be darker than dark.
             error += shadow.min(here * here * area) * POSSIBLE / self.scale(here);
         }
         error / self.area.max(f64::MIN_POSITIVE)
-    }
-
-    /// All light of a corner.
-    fn watts(&self, corner: u32) -> f64 {
-        let light = self.elements.light_at(corner).iter();
-        light.map(|&(basis, value)| f64::from(value) * self.settings.exitance[basis as usize]).sum()
     }
 
     /// What a squared error is divided by where there is so much light: a spot beside a lamp is neither to take all

@@ -66,9 +66,6 @@ pub struct UnevenLight {
     /// Where the entries of each patch end.
     ends: Vec<u32>,
     entries: Vec<Entry>,
-    /// Patches that were divided, and their cells.
-    divided: usize,
-    cells: usize,
 }
 
 impl UnevenLight {
@@ -108,11 +105,7 @@ impl UnevenLight {
             }
             found
         })?;
-        let mut all = Self {
-            divided: divided.len(),
-            cells: divided.iter().map(|own| own.cells.len()).sum(),
-            ..Self::default()
-        };
+        let mut all = Self::default();
         for row in rows {
             all.entries.extend(row);
             all.ends.push(all.entries.len() as u32);
@@ -141,11 +134,6 @@ impl UnevenLight {
         values
     }
 
-    /// Patches that were divided, and their cells in all.
-    pub fn cells(&self) -> (usize, usize) {
-        (self.divided, self.cells)
-    }
-
     /// How many pairs of a patch and a basis of another are kept.
     pub fn entries(&self) -> usize {
         self.entries.len()
@@ -156,9 +144,6 @@ impl UnevenLight {
 fn divided(mesh: &PatchMesh, elements: &Elements, exitance: &[f64]) -> (Vec<Divided>, f64) {
     let mut leaves: Vec<(u32, u32)> = elements.leaves_with_index().map(|(leaf, e)| (e.patch, leaf)).collect();
     leaves.sort_unstable();
-    let watts = |corner: u32| -> f64 {
-        elements.light_at(corner).iter().map(|&(basis, v)| f64::from(v) * exitance[basis as usize]).sum()
-    };
     // 1. How much light differs within each patch.
     let spreads: Vec<(f64, f64, f64)> = leaves
         .chunk_by(|a, b| a.0 == b.0)
@@ -167,7 +152,7 @@ fn divided(mesh: &PatchMesh, elements: &Elements, exitance: &[f64]) -> (Vec<Divi
             for &(_, leaf) in own {
                 let element = &elements.elements[leaf as usize];
                 let size = elements.area(element);
-                let at = element.corners.map(watts);
+                let at = element.corners.map(|corner| elements.watts_at(corner, exitance));
                 let whole: f64 = at.iter().sum();
                 area += size;
                 sum += size * whole / 3.0;
