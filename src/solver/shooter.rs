@@ -17,14 +17,25 @@ pub struct Shooter {
 }
 
 impl Shooter {
-    /// Nothing shot yet: all emission is unshot.
+    /// Nothing shot yet: what surfaces reflect of the direct light is unshot, where the system has that; else all
+    /// emission.
     pub fn new(system: &System) -> Self {
         let columns = system.columns();
-        let unshot = (0..system.patches())
-            .flat_map(|i| (0..columns).map(move |c| system.exitance(i, c) as f32))
+        let irradiance = match &system.direct {
+            Some(direct) => direct.values.clone(),
+            None => vec![0.0; system.patches() * columns],
+        };
+        let unshot = (0..system.patches() * columns)
+            .map(|at| {
+                let (i, c) = (at / columns, at % columns);
+                match &system.direct {
+                    Some(direct) => system.rho(i, c) as f32 * direct.values[at],
+                    None => system.exitance(i, c) as f32,
+                }
+            })
             .collect();
         Self {
-            irradiance: vec![0.0; system.patches() * columns],
+            irradiance,
             unshot,
             done: vec![false; system.patches()],
             columns,
