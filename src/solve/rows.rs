@@ -54,6 +54,7 @@ impl Run<'_> {
             computed += complete(computer, picked, known);
             for &i in picked {
                 if let Some(row) = &known[i as usize] {
+                    arriving.see(system, i, row);
                     arriving.take(system, i, row);
                 }
             }
@@ -64,7 +65,7 @@ impl Run<'_> {
                 self.timings.first_light = self.timings.rows;
             }
             let fraction = ROWS_OF_LAMPS * done as f64 / lamps.len() as f64;
-            let picture = Some(Pictured::Arriving(&arriving));
+            let picture = Some(Pictured::Arriving(&arriving, system));
             let counts = (known.iter().flatten().count(), n);
             self.tell(Stage::FirstLight, counts, (fraction, None), &[], picture, is_last)?;
         }
@@ -93,7 +94,18 @@ impl Run<'_> {
         let mut left_to_compute = n - known.iter().flatten().count();
         let before = if left_to_compute < n { self.timings.rows } else { 0.0 };
         let clock = self.clock();
+        let is_dark = standing.is_none();
         let mut arriving = Arriving::new(system, standing);
+        for (i, row) in (0..).zip(&*known) {
+            if let Some(row) = row {
+                arriving.see(system, i, row);
+            }
+        }
+        if left_to_compute < n && is_dark {
+            // Direct light as it has been laid out since the last picture.
+            let picture = Some(Pictured::Arriving(&arriving, system));
+            self.tell(Stage::Rows, (n - left_to_compute, n), (ELEMENTS, None), &[], picture, true)?;
+        }
         let batch = computer.batch();
         let (mut done, mut computed) = (0, 0);
         while done < n {
@@ -101,6 +113,7 @@ impl Run<'_> {
             let missing = complete(computer, &picked, known);
             for &i in &picked {
                 if let Some(row) = &known[i as usize] {
+                    arriving.see(system, i, row);
                     arriving.take(system, i, row);
                 }
             }
@@ -121,7 +134,7 @@ impl Run<'_> {
                 let rows = elapsed * left_to_compute as f64 / computed as f64;
                 rows + (before + elapsed + rows) / 9.0
             });
-            let picture = Some(Pictured::Arriving(&arriving));
+            let picture = Some(Pictured::Arriving(&arriving, system));
             let counts = (n - left_to_compute, n);
             self.tell(Stage::Rows, counts, (fraction, left), &[], picture, false)?;
         }
