@@ -422,7 +422,7 @@ impl<'a> Run<'a> {
     }
 
     /// Direct light on elements; `None` where rows are computed by another method than the usual one, which is then
-    /// to be seen as it is, and where there are no lamps.
+    /// to be seen as it is unless lamps shine by their photometry, and where there are no lamps.
     ///
     /// # Errors
     /// The run was ended.
@@ -431,7 +431,9 @@ impl<'a> Run<'a> {
         prepared: &Prepared,
         system: &System,
     ) -> Result<Option<ElementLight>, PipelineError> {
-        if prepared.computer.sampling().method != Method::Lines || system.lamps == 0 {
+        let by_rows =
+            prepared.computer.sampling().method != Method::Lines && prepared.mesh.photometric.is_empty();
+        if by_rows || system.lamps == 0 {
             return Ok(None);
         }
         let clock = self.clock();
