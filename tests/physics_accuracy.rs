@@ -4,15 +4,17 @@ mod common;
 
 use common::{Model, builtin, ceiling_with_lamp, room_with_blocks, settings, solved, solved_by_rows};
 use glam::DVec3;
-use lumenwalk::accuracy::{AuditSettings, ErrorBudget, Receiver, Shown, Sobol, Witness, algebraic_error};
+use lumenwalk::accuracy::{
+    Answer, AuditSettings, ErrorBudget, Receiver, Shown, Sobol, Witness, algebraic_error,
+};
 use lumenwalk::display::DisplayMesh;
 use lumenwalk::effects::Effect;
 use lumenwalk::form_factors::closed_form::point_to_polygon;
 use lumenwalk::form_factors::{Method, ReceivingPoints};
 use lumenwalk::mesh::{PatchTarget, Side};
-use lumenwalk::scene::{Scene, luminance_weighted};
+use lumenwalk::scene::{Lighting, Scene, luminance_weighted};
 use lumenwalk::solve::{Solution, SolveSettings};
-use lumenwalk::solver::patch_emission;
+use lumenwalk::solver::{PatchLight, patch_emission};
 use lumenwalk::study;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -32,6 +34,8 @@ fn luminance(v: [f32; 3]) -> f64 {
 /// A solve with what its witness and its picture need.
 struct Case {
     solved: Solution,
+    lighting: Lighting,
+    light: PatchLight,
     exitance: Vec<[f32; 3]>,
     shown: Shown,
 }
@@ -42,13 +46,21 @@ impl Case {
         let exitance = solved.mesh.patches.iter().map(|p| patch_emission(p, &lighting)).collect();
         let elements = solved.element_light.as_ref().map(|light| &light.elements);
         let display = DisplayMesh::build_on(&solved.mesh, &solved.scene, true, elements);
-        let shown = study::shown(&solved.mesh, &display, &solved.light(&lighting));
-        Self { solved, exitance, shown }
+        let light = solved.light(&lighting);
+        let shown = study::shown(&solved.mesh, &display, &light);
+        Self { solved, lighting, light, exitance, shown }
     }
 
     fn witness(&self) -> Witness<'_> {
-        let light = self.solved.light(&self.solved.scene.lighting());
-        Witness::new(&self.solved.mesh, &light, &self.solved.reflectance, &self.exitance, &self.shown)
+        Witness::new(&Answer {
+            mesh: &self.solved.mesh,
+            transport: self.solved.transport.as_deref().expect("solved"),
+            light: &self.light,
+            exitance: &self.exitance,
+            lighting: &self.lighting,
+            reflectance: &self.solved.reflectance,
+            shown: &self.shown,
+        })
     }
 
     /// Patches on which errors count.

@@ -193,6 +193,7 @@ fn without_smooth_surfaces_the_audit_checks_the_faceted_picture() {
             transport: solved.transport.as_deref().expect("whole"),
             light: &light,
             exitance: &exitance,
+            lighting: &lighting,
             reflectance: &solved.reflectance,
             shown: &study::shown(mesh, &display, &light),
         };

@@ -285,8 +285,11 @@ fn what_is_emitted_is_absorbed_or_escapes() {
             let last = reports.last().unwrap();
             // The light itself tells the same.
             let rho: Vec<[f32; 3]> = made.patches().iter().map(|p| p.reflectance.map(|r| r as f32)).collect();
-            let power =
-                bases.mix(&made.prepared.mesh, &made.lighting(), &rho).power(&made.prepared.mesh, &rho);
+            let power = bases.mix(&made.prepared.mesh, &made.lighting(), &rho).power(
+                &made.prepared.mesh,
+                &rho,
+                &made.lighting(),
+            );
             close(&format!("{name}: power emitted"), power.emitted, last.emitted, 1e-6);
             close(&format!("{name}: power absorbed"), power.absorbed, last.absorbed, 1e-6);
             let emitted: f64 = made

@@ -7,7 +7,7 @@ use super::spread::{DARKEST, Spread, spread};
 use super::witness::{Receiver, Shown, Witness};
 use super::{AlgebraicError, algebraic_error};
 use crate::mesh::PatchMesh;
-use crate::scene::luminance_weighted;
+use crate::scene::{Lighting, luminance_weighted};
 use crate::solver::{PatchLight, gathered};
 use crate::transport::Transport;
 use rayon::prelude::*;
@@ -22,8 +22,10 @@ pub struct Answer<'a> {
     pub transport: &'a dyn Transport,
     /// Light of each patch.
     pub light: &'a PatchLight,
-    /// Exitance of each patch, W/m² per band.
+    /// Exitance of each patch, W/m² per band: what it glows with in the picture.
     pub exitance: &'a [[f32; 3]],
+    /// The lamps as they stand.
+    pub lighting: &'a Lighting,
     /// Reflectance of each patch per band.
     pub reflectance: &'a [[f32; 3]],
     /// The irradiance that the picture shows.
@@ -222,7 +224,7 @@ impl<'a> Audit<'a> {
         if !(mean > 0.0 && mean.is_finite()) {
             return None;
         }
-        let witness = Witness::new(mesh, answer.light, answer.reflectance, answer.exitance, answer.shown);
+        let witness = Witness::new(&answer);
 
         // Patches are drawn by area, by how much the picture changes on them and by how bright they are: the
         // inside of a lamp's housing may look even and yet be off by most of its light.

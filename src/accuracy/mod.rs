@@ -33,6 +33,7 @@ mod algebraic;
 mod audit;
 mod interval;
 mod map;
+mod openings;
 mod points;
 mod sobol;
 mod spread;

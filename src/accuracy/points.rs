@@ -81,8 +81,8 @@ pub fn irradiance_at(
     direct: Option<&[[f64; 3]]>,
     seed: u64,
 ) -> Vec<PointIrradiance> {
-    let Answer { mesh, light, exitance, reflectance, shown, .. } = answer;
-    let witness = Witness::new(mesh, light, reflectance, exitance, shown);
+    let Answer { mesh, light, .. } = answer;
+    let witness = Witness::new(&answer);
     let share = MANY_POINTS as f64 / points.len().max(MANY_POINTS) as f64;
     let fewer = |rays: u32| ((f64::from(rays) * share) as u32).max(FEWEST_RAYS);
     let rays = [fewer(RAYS), fewer(SENDER_RAYS)];

@@ -1,11 +1,12 @@
 //! Gathers irradiance by rays of its own against the true polygons.
 
+use super::audit::Answer;
+use super::openings::{Openings, Shares};
 use super::sobol::Sobol;
 use crate::direct::{Elements, NO_ELEMENT};
 use crate::geometry::{Bvh, Frame, Ray};
 use crate::mesh::{NO_PATCH, PatchMesh};
 use crate::scene::luminance_weighted;
-use crate::solver::PatchLight;
 use glam::DVec3;
 use std::f64::consts::{PI, TAU};
 use std::sync::Arc;
@@ -80,6 +81,8 @@ pub struct Witness<'a> {
     elements: Option<Arc<Elements>>,
     /// Patches that shine, with their power.
     lamps: Vec<(u32, f64)>,
+    /// What shines by photometry.
+    openings: Openings,
     offset: f64,
 }
 
@@ -91,18 +94,13 @@ const BY_POWER: f64 = 0.1;
 pub struct LampChoice {
     /// Probability of the lamp in [`Witness::lamps`] and the running sum.
     list: Vec<(f64, f64)>,
+    openings: Shares,
 }
 
 impl<'a> Witness<'a> {
-    /// `light` holds irradiance and radiosity of each patch, `reflectance` its rho; `exitance` its E,
-    /// W/m² per band; `shown` the picture.
-    pub fn new(
-        mesh: &'a PatchMesh,
-        light: &PatchLight,
-        reflectance: &[[f32; 3]],
-        exitance: &[[f32; 3]],
-        shown: &Shown,
-    ) -> Self {
+    /// Of a solved scene.
+    pub fn new(answer: &Answer<'a>) -> Self {
+        let Answer { mesh, light, exitance, lighting, reflectance, shown, .. } = *answer;
         let (triangles, pieces) = mesh.triangles();
         let mut of_patch: Vec<Vec<(u32, f64)>> = vec![Vec::new(); mesh.patches.len()];
         for (index, (triangle, &piece)) in triangles.iter().zip(&pieces).enumerate() {
@@ -137,6 +135,13 @@ impl<'a> Witness<'a> {
             }));
         }
         let n = mesh.patches.len();
+        // What glows for the picture alone lights nothing.
+        let is_photometric =
+            |i: usize| mesh.patches[i].luminaire.is_some_and(|lamp| mesh.is_photometric(lamp));
+        let sent = |i: usize| if is_photometric(i) { 0.0 } else { emitted(i) };
+        let of_lamp = |lamp: u32| {
+            lighting.lamps.get(lamp as usize).map_or(0.0, |state| luminance_weighted(state.output()))
+        };
         Self {
             mesh,
             bvh: Bvh::build(&triangles),
@@ -144,15 +149,16 @@ impl<'a> Witness<'a> {
             pieces,
             starts,
             patch_triangles: of_patch.concat(),
-            exitance: (0..n).map(emitted).collect(),
+            exitance: (0..n).map(sent).collect(),
             reflected: (0..n).map(|i| luminance_weighted(at(&light.radiosity, i)) - emitted(i)).collect(),
             shown: shown_lum,
             shown_reflected,
             elements: shown.elements.clone(),
             lamps: (0..n)
-                .filter(|&i| emitted(i) > 0.0)
-                .map(|i| (i as u32, emitted(i) * mesh.patches[i].area))
+                .filter(|&i| sent(i) > 0.0)
+                .map(|i| (i as u32, sent(i) * mesh.patches[i].area))
                 .collect(),
+            openings: Openings::new(&mesh.photometric, of_lamp),
             offset: 1e-7 * mesh.size,
         }
     }
@@ -268,7 +274,7 @@ impl<'a> Witness<'a> {
                 (p, sum)
             })
             .collect();
-        LampChoice { list }
+        LampChoice { list, openings: self.openings.shares(centre, normal, radius) }
     }
 
     /// Luminance of the irradiance on `patch`, gathered by `rays` rays along the cosine and a quarter
@@ -387,7 +393,29 @@ impl<'a> Witness<'a> {
             found.shown += direct;
             found.direct += direct;
         }
+
+        // 3. Towards what shines by photometry.
+        if !self.openings.is_empty() {
+            let is_hidden = |lamp: u32, origin: DVec3, direction: DVec3, end: f64| {
+                let stands =
+                    |triangle: u32| self.is_shown(triangle, direction) && !self.is_of(triangle, lamp);
+                self.bvh.occluded_where(&Ray { origin, direction }, self.offset, end, stands)
+            };
+            let (samples, seed) = ((rays / 4).max(16), seed ^ 0x2545_F491_4F6C_DD1D);
+            let direct = self.openings.gather(start, &choice.openings, samples, seed, is_hidden);
+            found.constant += direct;
+            found.shown += direct;
+            found.direct += direct;
+        }
         found
+    }
+
+    /// Whether a triangle is a surface of a lamp.
+    fn is_of(&self, triangle: u32, lamp: u32) -> bool {
+        let piece = &self.mesh.pieces[self.pieces[triangle as usize] as usize];
+        let of =
+            |&patch: &u32| patch != NO_PATCH && self.mesh.patches[patch as usize].luminaire == Some(lamp);
+        piece.patches.iter().any(of)
     }
 }
 

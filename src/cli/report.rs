@@ -6,7 +6,7 @@ use crate::export::{
 use crate::mesh::{PatchMesh, PatchTarget};
 use crate::scene::{Lighting, Scene, Severity};
 use crate::solve::Solution;
-use crate::solver::{PatchLight, patch_emission};
+use crate::solver::{PatchLight, patch_emission, photometric_power};
 
 /// Seconds that the pipeline does not measure itself.
 #[derive(Clone, Copy, Debug, Default)]
@@ -171,9 +171,10 @@ fn scene(scene: &Scene, lighting: &Lighting) -> SceneReport {
 
 /// Sum of E A and of (1 - rho) H A over patches and bands, W.
 fn power(mesh: &PatchMesh, lighting: &Lighting, light: &PatchLight, reflectance: &[[f32; 3]]) -> PowerReport {
-    let (mut emitted, mut absorbed) = (0.0, 0.0);
+    let (mut emitted, mut absorbed) = (photometric_power(mesh, lighting), 0.0);
     for ((patch, irradiance), rho) in mesh.patches.iter().zip(&light.irradiance).zip(reflectance) {
-        let exitance = patch_emission(patch, lighting);
+        let shines = patch.luminaire.is_some_and(|lamp| !mesh.is_photometric(lamp));
+        let exitance = if shines { patch_emission(patch, lighting) } else { [0.0; 3] };
         for band in 0..3 {
             emitted += patch.area * f64::from(exitance[band]);
             absorbed += patch.area * f64::from(irradiance[band]) * (1.0 - f64::from(rho[band]));

@@ -355,7 +355,7 @@ fn display_seconds(solved: &Solution, lighting: &Lighting) -> f64 {
     let display = DisplayMesh::build_on(&solved.mesh, &solved.scene, smooth, elements);
     let clock = Instant::now();
     let light = solved.light(lighting);
-    std::hint::black_box(light.power(&solved.mesh, &solved.reflectance));
+    std::hint::black_box(light.power(&solved.mesh, &solved.reflectance, lighting));
     let detail = light.detail.as_deref().map(in_detail);
     let corners = display.detailed_radiosity(&light.radiosity, &light.irradiance, detail, Shading::Gouraud);
     std::hint::black_box(corners);

@@ -1,7 +1,8 @@
 //! The lamps of a scene as emitters.
 
-use super::{ConvexBody, Emitter, Face};
+use super::{ConvexBody, Emitter, Face, PhotometricEmitter};
 use crate::mesh::{NO_PATCH, PatchMesh, Side};
+use crate::scene::PhotometricSource;
 use crate::visibility::THICKNESS;
 use glam::DVec3;
 use std::collections::{BTreeMap, HashMap};
@@ -57,6 +58,11 @@ impl Emitters {
     /// The lamps of a mesh.
     pub fn new(mesh: &PatchMesh) -> Self {
         let mut lamps: BTreeMap<u32, Coloured> = BTreeMap::new();
+        let mut photometric: BTreeMap<u32, (Vec<&PhotometricSource>, Vec<u32>)> = BTreeMap::new();
+        for source in &mesh.photometric {
+            photometric.entry(source.luminaire).or_default().0.push(source);
+            lamps.entry(source.luminaire).or_default();
+        }
         let mut parts = mesh.convex.parts.iter().enumerate().peekable();
         for (index, region) in mesh.regions.iter().enumerate() {
             let mut own = Vec::new();
@@ -72,6 +78,10 @@ impl Emitters {
                 let Some((lamp, weight)) = pieces().find_map(|p| shining(p.patches[side as usize])) else {
                     continue;
                 };
+                if let Some((_, regions)) = photometric.get_mut(&lamp) {
+                    regions.push(index as u32);
+                    continue;
+                }
                 let is_whole = pieces().all(|p| p.patches[side as usize] != NO_PATCH);
                 let mut polygons: Vec<Vec<DVec3>> = if is_whole {
                     own.iter().map(|&part| mesh.convex.polygon(part).to_vec()).collect()
@@ -92,9 +102,21 @@ impl Emitters {
         }
         let mut all = Self::default();
         for (lamp, colours) in lamps {
-            all.add(lamp, colours, THICKNESS * mesh.size);
+            match photometric.remove(&lamp) {
+                Some((sources, regions)) => all.add_photometric(lamp, &sources, &regions, mesh.size),
+                None => all.add(lamp, colours, THICKNESS * mesh.size),
+            }
         }
         all
+    }
+
+    fn add_photometric(&mut self, lamp: u32, sources: &[&PhotometricSource], regions: &[u32], size: f64) {
+        let shares = vec![Share { basis: self.bases.len() as u32, factor: 1.0 }];
+        self.bases.push(Basis { lamp, weight: [1.0; 3] });
+        self.sources.extend(sources.iter().map(|&source| {
+            let emitter = PhotometricEmitter::new(source.clone(), regions.to_vec(), THICKNESS * size, size);
+            Source { emitter: Arc::new(emitter), shares: shares.clone() }
+        }));
     }
 
     fn add(&mut self, lamp: u32, colours: Coloured, thickness: f64) {

@@ -1,4 +1,4 @@
-//! What sends light into a scene: the lamps as emitters, each of even radiance.
+//! What sends light into a scene: the lamps as emitters.
 //!
 //! A lamp that a user switches has one [`Basis`], or one for each band where its faces differ in colour. Its
 //! faces are [`Emitter`]s: what they send out adds up in the bases. A new kind of light is one more
@@ -7,10 +7,12 @@
 mod body;
 mod face;
 mod lamps;
+mod photometric;
 
 pub use body::ConvexBody;
 pub use face::Face;
 pub use lamps::{Basis, Emitters, Share, Source};
+pub use photometric::PhotometricEmitter;
 
 use glam::DVec3;
 
@@ -23,7 +25,7 @@ pub struct HalfSpace {
     pub offset: f64,
 }
 
-/// A convex source of light of even radiance.
+/// A convex source of light.
 pub trait Emitter: std::fmt::Debug + Send + Sync {
     /// Points whose convex hull holds the emitter, metres.
     fn hull(&self) -> &[DVec3];
@@ -37,7 +39,8 @@ pub trait Emitter: std::fmt::Debug + Send + Sync {
     fn outline(&self, from: DVec3, corners: &mut Vec<DVec3>) -> Option<HalfSpace>;
 
     /// Irradiance at a receiver with this unit normal from the part of the outline that it sees: a convex polygon
-    /// of corners relative to the receiver, none below its horizon. W/m² per W/m² of exitance; 0 to 1.
+    /// of corners relative to the receiver, none below its horizon. W/m² per W/m² of exitance. Of
+    /// even radiance unless the emitter knows better, and then 0 to 1.
     fn irradiance(&self, normal: DVec3, visible: &[DVec3]) -> f64 {
         lambert(normal, visible)
     }

@@ -159,7 +159,8 @@ pub fn build_on(
     let patch_size = sizing.edge;
     let mut facets: Vec<Facet> = Vec::new();
     let asked = sizing::count_asked(scene, settings.target);
-    let mut mesh = PatchMesh { size, ..PatchMesh::default() };
+    let photometric = scene.photometric_sources();
+    let mut mesh = PatchMesh { size, photometric, ..PatchMesh::default() };
     let contacts = Contacts::new(if as_given { &[] } else { outlines }, size, watch.cancelled())?;
     let mut cutting = watch.part(0.0, CUT);
     for (index, outline) in outlines.iter().enumerate() {

@@ -9,7 +9,7 @@ use super::pieces::{Cut, Grid};
 use super::refinement::Wishes;
 use super::regions::Outline;
 use crate::geometry::{Aabb, Bvh, polygon};
-use crate::scene::Scene;
+use crate::scene::{PhotometricSource, Scene};
 use glam::{DVec2, DVec3};
 use std::f64::consts::{PI, SQRT_2};
 
@@ -95,6 +95,18 @@ impl Lamps {
                 faces.push(face);
             }
         }
+        for source in scene.photometric_sources() {
+            // Surfaces of its own stand for it above.
+            if outlines.iter().any(|outline| outline.luminaire == Some(source.luminaire)) {
+                continue;
+            }
+            let exitance: f64 = scene.luminaires[source.luminaire as usize].initial.exitance.iter().sum();
+            let face = LampFace::of_photometry(&source, exitance);
+            let bounds = Aabb::around(face.corners.iter().copied());
+            boxes.push([bounds.min, bounds.max, bounds.max]);
+            flux += exitance * source.area;
+            faces.push(face);
+        }
         let mean = flux / area;
         if !(mean > 0.0 && mean.is_finite()) {
             return Self::default();
@@ -146,6 +158,28 @@ impl Lamps {
 }
 
 impl LampFace {
+    /// What stands for a luminaire that shines by its photometry: a face of Lambert's law and of the greatest
+    /// intensity.
+    fn of_photometry(source: &PhotometricSource, exitance: f64) -> Self {
+        /// Edge of what stands for a point, metres.
+        const SMALL: f64 = 0.01;
+        let (frame, centre) = (&source.place.frame, source.place.centre);
+        let reach = |axis: DVec3| {
+            let corners = source.opening().into_iter().flatten();
+            axis * corners.map(|corner| axis.dot(corner - centre).abs()).fold(0.5 * SMALL, f64::max)
+        };
+        let (a, b) = (reach(frame.tangent), -reach(frame.bitangent));
+        let peak = source.photometry.distribution.maximum();
+        let greatest = source.intensity(frame.world(crate::photometry::direction(peak.c, peak.gamma)));
+        Self {
+            corners: [-a - b, a - b, a + b, b - a].map(|corner| centre + corner).to_vec(),
+            normal: -frame.normal,
+            both: source.downward_share() < 0.999,
+            area: 4.0 * a.length() * b.length(),
+            flux: PI * exitance * greatest,
+        }
+    }
+
     /// Height of a point over the face's plane, metres; below zero behind it.
     fn height(&self, point: DVec3) -> f64 {
         self.normal.dot(point - self.corners[0])

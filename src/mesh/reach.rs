@@ -10,7 +10,7 @@ use super::regions::Outline;
 use super::shells::Shells;
 use super::types::{Patch, Side};
 use crate::geometry::{Frame, Ray, polygon};
-use crate::scene::{Scene, Sides};
+use crate::scene::{PhotometricSource, Scene, Sides};
 use crate::watch::{Cancelled, Watch};
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
@@ -104,7 +104,7 @@ pub(super) struct Sources {
 
 impl Sources {
     /// The lamps of a scene of some `size`, metres; no other side is known to be lit.
-    pub(super) fn new(outlines: &[Outline], size: f64) -> Self {
+    pub(super) fn new(scene: &Scene, outlines: &[Outline], size: f64) -> Self {
         let (mut lamps, mut lamp_tangents) = (Vec::new(), Vec::new());
         let shining = || outlines.iter().filter(|outline| outline.luminaire.is_some());
         let [least, most] = POINTS_PER_LAMP;
@@ -115,6 +115,12 @@ impl Sources {
             for sign in [1.0, -1.0].into_iter().take(if outline.emits_back { 2 } else { 1 }) {
                 lamp_tangents.extend(points.iter().map(|_| outline.frame.tangent));
                 lamps.extend(points.iter().map(|&point| (point, outline.frame.normal * sign)));
+            }
+        }
+        for source in scene.photometric_sources() {
+            for (point, towards) in openings(&source, outlines) {
+                lamp_tangents.push(source.place.frame.tangent);
+                lamps.push((point, towards));
             }
         }
         Self { lamps, lamp_tangents, lit_points: Vec::new(), offset: size * OFFSET }
@@ -445,6 +451,34 @@ impl<'a> Search<'a> {
         }
         false
     }
+}
+
+/// Points of the opening of a luminaire that shines by its photometry, with the directions that they face: none
+/// where its surfaces face all that it lights.
+fn openings(source: &PhotometricSource, outlines: &[Outline]) -> Vec<(DVec3, DVec3)> {
+    /// Less of the flux on a side lights nothing there.
+    const LEAST: f64 = 1e-3;
+    let own = || outlines.iter().filter(|outline| outline.luminaire == Some(source.luminaire));
+    let down = -source.place.frame.normal;
+    let share = source.downward_share();
+    let faces = source.opening();
+    if own().next().is_some() {
+        // Behind a flat face that is none of them; inside of a closed body nothing is lit.
+        let is_flat = own().all(|outline| outline.frame.normal.dot(down) > 0.99 && !outline.emits_back);
+        let is_behind = is_flat && 1.0 - share > LEAST;
+        return if is_behind { vec![(source.place.centre, -down)] } else { Vec::new() };
+    }
+    if faces.len() > 1 {
+        let middle = |face: &Vec<DVec3>| face.iter().sum::<DVec3>() / face.len() as f64;
+        return faces
+            .iter()
+            .map(|face| (middle(face), polygon::area_vector(face).normalize_or(down)))
+            .collect();
+    }
+    let mut points = vec![source.place.centre];
+    points.extend(faces.iter().flatten().map(|corner| 0.5 * (*corner + source.place.centre)));
+    let sides = [(down, share), (-down, 1.0 - share)].into_iter().filter(|side| side.1 > LEAST);
+    sides.flat_map(|(towards, _)| points.iter().map(move |&point| (point, towards))).collect()
 }
 
 /// Up to [`LIT_POINTS`] of these points, each as far from those before as can be: a floor may run

@@ -71,7 +71,7 @@ impl Survey {
         outlines.iter_mut().for_each(|outline| outline.coarsest = coarsest(outline, &extent));
         let outlines: Arc<[Outline]> = outlines.into();
         let sheets = Sheets::new(outlines.clone(), size, &mut watch.part(JOINED, JOINED))?;
-        let mut sources = Sources::new(&outlines, size);
+        let mut sources = Sources::new(scene, &outlines, size);
         let mut reached: Vec<[Reach; 2]> = match settings.backs {
             Backs::Reached => {
                 sources.sides(scene, &outlines, &sheets, search, &mut watch.part(JOINED, 1.0))?

@@ -2,7 +2,7 @@ use super::backing::Backing;
 use super::clusters::Clusters;
 use super::convex_parts::ConvexParts;
 use crate::geometry::{Aabb, Frame};
-use crate::scene::grouped;
+use crate::scene::{PhotometricSource, grouped};
 use glam::{DVec2, DVec3};
 use std::ops::Range;
 
@@ -160,6 +160,9 @@ pub struct PatchMesh {
     pub contacts: Vec<Vec<[DVec2; 2]>>,
     /// What small facets share, where there are too many for a patch each.
     pub clusters: Clusters,
+    /// Luminaires that shine by their photometry, lamp by lamp: the patches of these lamps glow in the picture and
+    /// light nothing.
+    pub photometric: Vec<PhotometricSource>,
     /// The length that tolerances are shares of, metres: [`crate::scene::Extent::scale`].
     pub size: f64,
     /// Counts and shapes.
@@ -167,6 +170,11 @@ pub struct PatchMesh {
 }
 
 impl PatchMesh {
+    /// Whether the light of a luminaire is that of its photometry, not of its patches.
+    pub fn is_photometric(&self, luminaire: u32) -> bool {
+        self.photometric.binary_search_by_key(&luminaire, |source| source.luminaire).is_ok()
+    }
+
     /// Pieces of a patch.
     pub fn pieces_of<'a>(&'a self, patch: &Patch) -> impl Iterator<Item = &'a Piece> + use<'a> {
         let range = patch.pieces.start as usize..patch.pieces.end as usize;

@@ -1,5 +1,13 @@
 //! The luminous opening of a luminaire: the simple shape that its light comes from.
 
+use glam::DVec3;
+use std::f64::consts::{PI, TAU};
+
+/// Corners of what stands for a circle, of the same area.
+const AROUND: u32 = 12;
+/// A line is taken as wide as this share of its length.
+const LINE: f64 = 1e-3;
+
 /// The shape of a luminous opening. A disc or cylinder whose two extents differ is an ellipse or elliptical.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum OpeningShape {
@@ -66,6 +74,92 @@ impl Opening {
     pub fn longest(&self) -> f64 {
         self.along_c0.max(self.along_c90).max(self.height)
     }
+
+    /// The surface of the opening as convex polygons in the frame of the luminaire (nadir -z, C0 +x) around the
+    /// photometric centre, metres, counter-clockwise as seen from outside: one that faces down or sideways where the
+    /// opening is flat, a closed convex body otherwise, none for a point. Circles are polygons of their area.
+    pub fn faces(&self) -> Vec<Vec<DVec3>> {
+        let longest = self.longest();
+        if !(longest > 0.0 && longest.is_finite()) {
+            return Vec::new();
+        }
+        let [x, y, z] =
+            [self.along_c0, self.along_c90, self.height].map(|extent| 0.5 * extent.max(LINE * longest));
+        let level = [DVec3::X * x, DVec3::NEG_Y * y];
+        match self.shape {
+            OpeningShape::Point => Vec::new(),
+            OpeningShape::Rectangle => vec![rectangle(DVec3::ZERO, level)],
+            OpeningShape::Disc => vec![circle(DVec3::ZERO, level)],
+            OpeningShape::VerticalDiscFacingC0 => vec![circle(DVec3::ZERO, [DVec3::Y * y, DVec3::Z * z])],
+            OpeningShape::VerticalDiscFacingC90 => {
+                vec![circle(DVec3::ZERO, [DVec3::NEG_X * x, DVec3::Z * z])]
+            }
+            OpeningShape::Box => prism(rectangle(DVec3::NEG_Z * z, level), DVec3::Z * (2.0 * z)),
+            OpeningShape::VerticalCylinder => prism(circle(DVec3::NEG_Z * z, level), DVec3::Z * (2.0 * z)),
+            OpeningShape::CylinderAlongC0 => {
+                prism(circle(DVec3::NEG_X * x, [DVec3::Z * z, DVec3::Y * y]), DVec3::X * (2.0 * x))
+            }
+            OpeningShape::CylinderAlongC90 => {
+                prism(circle(DVec3::NEG_Y * y, [DVec3::X * x, DVec3::Z * z]), DVec3::Y * (2.0 * y))
+            }
+            OpeningShape::Ellipsoid => ellipsoid(DVec3::new(x, y, z)),
+        }
+    }
+}
+
+/// Counter-clockwise as seen from where `a` x `b` points.
+fn rectangle(middle: DVec3, [a, b]: [DVec3; 2]) -> Vec<DVec3> {
+    [-a - b, a - b, a + b, b - a].map(|corner| middle + corner).to_vec()
+}
+
+fn circle(middle: DVec3, [a, b]: [DVec3; 2]) -> Vec<DVec3> {
+    let step = TAU / f64::from(AROUND);
+    let larger = (step / step.sin()).sqrt();
+    (0..AROUND)
+        .map(|k| {
+            let (sin, cos) = ((f64::from(k) + 0.5) * step).sin_cos();
+            middle + (a * cos + b * sin) * larger
+        })
+        .collect()
+}
+
+/// The body between a polygon, as seen from outside, and the same `up` of it.
+fn prism(bottom: Vec<DVec3>, up: DVec3) -> Vec<Vec<DVec3>> {
+    let n = bottom.len();
+    let mut faces: Vec<Vec<DVec3>> = (0..n)
+        .map(|k| {
+            let (a, b) = (bottom[k], bottom[(k + 1) % n]);
+            vec![b, a, a + up, b + up]
+        })
+        .collect();
+    faces.push(bottom.iter().rev().map(|&corner| corner + up).collect());
+    faces.push(bottom);
+    faces
+}
+
+fn ellipsoid(half: DVec3) -> Vec<Vec<DVec3>> {
+    let rings = AROUND / 2;
+    let at = |i: u32, j: u32| {
+        let (sin, cos) = (PI * f64::from(j) / f64::from(rings)).sin_cos();
+        let (y, x) = (TAU * f64::from(i % AROUND) / f64::from(AROUND)).sin_cos();
+        match j {
+            0 => half * DVec3::Z,
+            j if j == rings => half * DVec3::NEG_Z,
+            _ => half * DVec3::new(sin * x, sin * y, cos),
+        }
+    };
+    let mut faces = Vec::new();
+    for j in 0..rings {
+        for i in 0..AROUND {
+            let mut face = vec![at(i, j), at(i, j + 1), at(i + 1, j + 1), at(i + 1, j)];
+            face.dedup();
+            if face.first() == face.last() {
+                face.pop();
+            }
+            faces.push(face);
+        }
+    }
+    faces
 }
 
 /// The meaning of LM-63's signed width (along C90), length (along C0) and height, in metres, and a note where

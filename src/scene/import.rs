@@ -7,11 +7,12 @@ use super::lookup::{Files, read_complete};
 use super::luminaires::{Parts, gather};
 use super::mtl::Materials;
 use super::obj::{Face, Obj};
+use super::photometric::PhotometricFiles;
 use super::repair::repair_watched;
 use super::sidecar::{Sidecar, Source};
 use super::space::Space;
 use super::types::{FrameChoice, Scene, SceneSource};
-use super::{builtin, frame, mtl, names, obj, placed, polygons, sides, views};
+use super::{builtin, frame, lamp_entry, mtl, names, obj, polygons, sides, views};
 use crate::geometry::Aabb;
 use crate::watch::Watch;
 use glam::{DVec2, DVec3};
@@ -155,18 +156,21 @@ fn build(input: Input<'_>, watch: &mut Watch<'_>) -> Result<Scene, SceneError> {
         materials: &materials.list,
         exitance: &materials.exitance,
         partners: &sides::partners(&positions, &surfaces),
+        up,
     };
     let mut normals = repaired.normals;
     let entries = sidecar.as_ref().zip(sidecar_source);
-    let luminaires = gather(&parts, &mut surfaces, &mut normals, entries, &mut findings)?;
+    let mut photometric = PhotometricFiles::new(input.files);
+    let luminaires = gather(&parts, &mut surfaces, &mut normals, entries, &mut photometric, &mut findings)?;
 
     watch.done(REPAIRED)?;
     let placed = match (&sidecar, sidecar_source) {
         (Some(sidecar), Some(source)) => {
-            placed::read(&sidecar.lamps, (unit, up, origin), &luminaires, source)?
+            lamp_entry::read(&sidecar.lamps, (unit, up, origin), &luminaires, source, &mut photometric)?
         }
         _ => Vec::new(),
     };
+    findings.extend(photometric.findings());
 
     let bookmarks = match (&sidecar, sidecar_source) {
         (Some(sidecar), Some(source)) => sidecar.views(source, unit, origin)?,

@@ -43,6 +43,14 @@ impl<'a> Files<'a> {
         }
     }
 
+    /// A photometric file beside the OBJ file: as named, with `\` for `/`, by its last part; then so in any case.
+    pub(super) fn photometry(&self, name: &str) -> io::Result<Found> {
+        match self {
+            Self::Folder { .. } => self.library(name),
+            Self::Library(_) => Err(io::ErrorKind::NotFound.into()),
+        }
+    }
+
     /// Where an image is that a library names: beside that library first, then beside the OBJ file.
     pub(super) fn image(&self, name: &str, library: &Path) -> io::Result<PathBuf> {
         match self {

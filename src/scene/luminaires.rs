@@ -4,10 +4,13 @@ use super::colour::{black_body, normalised};
 use super::error::SceneError;
 use super::finding::{Finding, FindingKind, Severity};
 use super::names;
+use super::photometric::{PhotometricFiles, PhotometricLight};
 use super::selection::{Selection, material_names, shown_and_given};
 use super::sidecar::{EmitsKey, LuminaireEntry, Sidecar, Source};
-use super::types::{LUMINOUS_EFFICACY, LampState, Luminaire, Material, Scene, Surface, luminance_weighted};
-use crate::geometry::polygon;
+use super::types::{
+    LUMINOUS_EFFICACY, LampState, Luminaire, Material, Scene, Surface, UpAxis, luminance_weighted,
+};
+use crate::geometry::{Frame, polygon};
 use glam::DVec3;
 use std::collections::{BTreeMap, HashMap, HashSet};
 
@@ -22,6 +25,7 @@ pub(super) struct Parts<'a> {
     pub(super) exitance: &'a [[f64; 3]],
     /// For each surface the one that is written for its other side.
     pub(super) partners: &'a [Option<u32>],
+    pub(super) up: UpAxis,
 }
 
 impl Parts<'_> {
@@ -48,6 +52,7 @@ pub(super) fn gather(
     surfaces: &mut [Surface],
     normals: &mut Vec<DVec3>,
     sidecar: Option<(&Sidecar, Source<'_>)>,
+    files: &mut PhotometricFiles<'_>,
     findings: &mut Vec<Finding>,
 ) -> Result<Vec<Luminaire>, SceneError> {
     let mut luminaires = Vec::new();
@@ -89,7 +94,6 @@ pub(super) fn gather(
                     (None, false) => names::unique(&names::pretty(object), &mut taken),
                 };
                 let number = luminaires.len() as u32;
-                let initial = light(entry, parts, surfaces, &members, number).map_err(fail)?;
                 if entry.emits == Some(EmitsKey::Back) {
                     // What is written for the other side changes places with it.
                     let both = |m: &Member| [Some(m.surface), parts.partner(m.surface)];
@@ -98,7 +102,11 @@ pub(super) fn gather(
                     turned.dedup();
                     turned.into_iter().for_each(|m| turn(&mut surfaces[m], normals));
                 }
-                luminaires.push(Luminaire { name, area: area(parts, surfaces, &members), initial });
+                let photometric = photometric(entry, parts, surfaces, &members, files).map_err(fail)?.unzip();
+                let initial =
+                    light(entry, parts, surfaces, &members, (number, photometric.1)).map_err(fail)?;
+                let area = area(parts, surfaces, &members);
+                luminaires.push(Luminaire { name, area, initial, photometric: photometric.0 });
             }
         }
     }
@@ -120,6 +128,7 @@ pub(super) fn gather(
             name: names::unique(&name, &mut taken),
             area: area(parts, surfaces, &members),
             initial,
+            photometric: None,
         });
         for member in members {
             surfaces[member.surface].luminaire = Some(luminaires.len() as u32 - 1);
@@ -229,7 +238,64 @@ fn add_other_sides(lamps: &mut [Vec<Member>], parts: &Parts<'_>, surfaces: &[Sur
     }
 }
 
-/// Sets the emission of a lamp's surfaces and returns its state.
+/// The photometric light of a lamp and its lumens, where its entry names a file: a luminaire on each of its objects.
+fn photometric(
+    entry: &LuminaireEntry,
+    parts: &Parts<'_>,
+    surfaces: &[Surface],
+    members: &[Member],
+    files: &mut PhotometricFiles<'_>,
+) -> Result<Option<(PhotometricLight, f64)>, String> {
+    let Some(file) = &entry.photometry else { return Ok(None) };
+    let photometry = files.read(file)?;
+    let mut by_object: BTreeMap<u32, Vec<Vec<DVec3>>> = BTreeMap::new();
+    for member in members {
+        let surface = &surfaces[member.surface];
+        let corners = surface.corners.iter().map(|corner| parts.positions[corner.position as usize]);
+        by_object.entry(surface.object).or_default().push(corners.collect());
+    }
+    let hung: Vec<(DVec3, Frame)> = by_object
+        .values()
+        .map(|faces| {
+            let attitude = entry.attitude(mean_normal(faces));
+            let frame = attitude.frame(parts.up);
+            (photometric_centre(faces, -frame.normal), frame)
+        })
+        .collect();
+    let light = PhotometricLight::new(photometry, &hung, parts.up);
+    let Some((light, lumens)) = light else {
+        return Err(format!("is dark: all intensities of '{}' are 0", names::short(file)));
+    };
+    Ok(Some((light, lumens)))
+}
+
+/// The mean unit normal of faces by their areas; `None` of closed bodies.
+fn mean_normal(faces: &[Vec<DVec3>]) -> Option<DVec3> {
+    let sum: DVec3 = faces.iter().map(|face| polygon::area_vector(face)).sum();
+    let area: f64 = faces.iter().map(|face| polygon::area_vector(face).length()).sum();
+    (sum.length() > 1e-3 * area).then(|| sum.normalize())
+}
+
+/// The centroid of the faces that look where a luminaire shines, the more the straighter; of all where none does.
+fn photometric_centre(faces: &[Vec<DVec3>], aim: DVec3) -> DVec3 {
+    let (mut sums, mut weights) = ([DVec3::ZERO; 2], [0.0; 2]);
+    for face in faces {
+        let whole = polygon::area_vector(face);
+        let facing = whole.dot(aim).max(0.0);
+        for triangle in face[1..].windows(2) {
+            let [a, b, c] = [face[0], triangle[0], triangle[1]];
+            let area = (b - a).cross(c - a).dot(whole.normalize_or_zero());
+            for (k, share) in [facing / whole.length().max(f64::MIN_POSITIVE), 1.0].into_iter().enumerate() {
+                sums[k] += (a + b + c) * (area * share / 3.0);
+                weights[k] += area * share;
+            }
+        }
+    }
+    let k = usize::from(weights[0] <= 1e-6 * weights[1]);
+    if weights[k] > 0.0 { sums[k] / weights[k] } else { faces[0][0] }
+}
+
+/// Sets the emission of a lamp's surfaces and returns its state; `lumens` are those of its photometry.
 ///
 /// The exitance is the largest of its surfaces per band, so that all weights lie in 0..1.
 fn light(
@@ -237,8 +303,10 @@ fn light(
     parts: &Parts<'_>,
     surfaces: &mut [Surface],
     members: &[Member],
-    number: u32,
+    (number, lumens): (u32, Option<f64>),
 ) -> Result<LampState, String> {
+    let is_photometric = lumens.is_some();
+    let lumens = entry.lumens.or(lumens);
     let given: Vec<[f64; 3]> =
         members.iter().map(|m| parts.exitance[surfaces[m.like].material as usize]).collect();
     let mut largest = [0.0_f64; 3];
@@ -254,8 +322,8 @@ fn light(
         surface.emits_back = entry.emits == Some(EmitsKey::Both) && parts.partner(member.surface).is_none();
         for band in 0..3 {
             // A band that no surface emits by itself is the same for all when the entry gives it one.
-            surface.emission_weight[band] =
-                if largest[band] > 0.0 { exitance[band] / largest[band] } else { 1.0 };
+            let is_even = is_photometric || largest[band] <= 0.0;
+            surface.emission_weight[band] = if is_even { 1.0 } else { exitance[band] / largest[band] };
         }
     }
     let state =
@@ -263,7 +331,7 @@ fn light(
     if let Some(exitance) = entry.exitance {
         return Ok(state(exitance));
     }
-    if dark && entry.lumens.is_none() {
+    if dark && lumens.is_none() {
         return Err("gives no strength, and its surfaces have no Ke; add lumens or exitance".to_owned());
     }
     let colour = match (entry.cct, entry.colour) {
@@ -272,7 +340,7 @@ fn light(
         _ => normalised(if dark { [1.0; 3] } else { largest }),
     };
     let Some(colour) = colour else { return Err("must have a colour".to_owned()) };
-    let Some(lumens) = entry.lumens else {
+    let Some(lumens) = lumens else {
         if entry.cct.is_none() && entry.colour.is_none() {
             return Ok(state(largest));
         }
@@ -315,6 +383,10 @@ pub fn lumens(scene: &Scene) -> Vec<[f64; 2]> {
             sums[number as usize][0] += flux(&scene.positions, surface, initial.exitance);
             sums[number as usize][1] += flux(&scene.positions, surface, initial.output());
         }
+    }
+    for (sum, lamp) in sums.iter_mut().zip(&scene.luminaires).filter(|(_, lamp)| lamp.photometric.is_some()) {
+        let full = |exitance| LUMINOUS_EFFICACY * luminance_weighted(exitance) * lamp.area;
+        *sum = [full(lamp.initial.exitance), full(lamp.initial.output())];
     }
     sums
 }

@@ -1,35 +1,69 @@
 //! Lamps that no model file holds: placed by the sidecar or by the user, and made surfaces here.
 
 use super::colour::{black_body, normalised};
-use super::error::SceneError;
 use super::names;
-use super::sidecar::Source;
+use super::photometric::{Attitude, PhotometricLight};
 use super::types::{
-    Corner, LUMINOUS_EFFICACY, LampState, LengthUnit, Luminaire, Material, Scene, Sides, Surface, UpAxis,
+    Corner, LUMINOUS_EFFICACY, LampState, Luminaire, Material, Scene, Sides, Surface, UpAxis,
     luminance_weighted,
 };
 use crate::geometry::Frame;
+use crate::photometry::{MadeKind, Photometry};
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
 use std::collections::HashSet;
-use toml::Spanned;
+use std::sync::Arc;
 
 /// Name of the material of placed lamps.
 const MATERIAL: &str = "Placed lamp";
 /// Its reflectance.
 const REFLECTANCE: f64 = 0.8;
-/// Edge of a panel that gives no size, metres.
-const USUAL_SIZE: f64 = 0.6;
-/// Largest edge of a panel, metres.
-const LARGEST: f64 = 1000.0;
+/// An opening without area counts as so large, m²: the lamp's exitance has to be some number.
+const NOMINAL_AREA: f64 = 1e-4;
+/// An array of one lamp.
+pub(super) const SINGLE: [u32; 2] = [1, 1];
 
 /// The form of a placed lamp.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize)]
-#[serde(rename_all = "lowercase")]
+#[serde(rename_all = "kebab-case")]
 pub enum LampKind {
     /// A flat rectangle that shines evenly to one side; its back is black.
     #[default]
     Panel,
+    /// As [`MadeKind::Downlight`].
+    Downlight,
+    /// As [`MadeKind::Pendant`].
+    Pendant,
+    /// As [`MadeKind::Spot`].
+    Spot,
+    /// As [`MadeKind::WallWasher`].
+    WallWasher,
+}
+
+impl LampKind {
+    /// The distribution that the program has of it; a panel shines by Lambert's law.
+    pub(super) fn made(self) -> Option<MadeKind> {
+        match self {
+            Self::Panel => None,
+            Self::Downlight => Some(MadeKind::Downlight),
+            Self::Pendant => Some(MadeKind::Pendant),
+            Self::Spot => Some(MadeKind::Spot),
+            Self::WallWasher => Some(MadeKind::WallWasher),
+        }
+    }
+}
+
+/// The photometry of a placed lamp.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LampPhotometry {
+    /// The file beside the model; `None` where its kind makes it.
+    pub file: Option<String>,
+    /// What is in it.
+    pub photometry: Arc<Photometry>,
+    /// Degrees about its axis, as [`Attitude::turn`].
+    pub turn: f64,
+    /// Degrees, as [`Attitude::tilt`].
+    pub tilt: f64,
 }
 
 /// The colour of a placed lamp.
@@ -62,9 +96,10 @@ pub struct PlacedLamp {
     pub position: DVec3,
     /// Unit vector along which it shines.
     pub aim: DVec3,
-    /// Edges, metres: the level one (along x where it shines straight up or down), then the other.
+    /// Edges, metres: the level one (along x where it shines straight up or down), then the other. Where it has
+    /// photometry, extents of the opening along C0 and C90.
     pub size: [f64; 2],
-    /// Luminous flux at full output, 0 or more.
+    /// Luminous flux at full output, 0 or more; of each where there is an array of them.
     pub lumens: f64,
     /// Its colour.
     pub colour: LampColour,
@@ -72,16 +107,63 @@ pub struct PlacedLamp {
     pub on: bool,
     /// 0 to 1, at first.
     pub dimmer: f64,
+    /// Where its light is that of photometry: it has no face then.
+    pub photometric: Option<LampPhotometry>,
+    /// Rows and columns of a level array of such lamps around its position; all switch as one.
+    pub array: [u32; 2],
+    /// From row to row and from column (along x) to column, metres.
+    pub spacing: [f64; 2],
 }
 
 impl PlacedLamp {
+    /// Area of all of the array, m².
     fn area(&self) -> f64 {
-        self.size[0] * self.size[1]
+        let single = match &self.photometric {
+            None => self.size[0] * self.size[1],
+            Some(light) => light.photometry.opening.level_area().max(NOMINAL_AREA),
+        };
+        single * self.count()
+    }
+
+    /// Lamps in its array.
+    fn count(&self) -> f64 {
+        f64::from(self.array[0]) * f64::from(self.array[1])
+    }
+
+    /// Middles of the lamps of its array, row by row, metres.
+    fn middles(&self, up: UpAxis) -> Vec<DVec3> {
+        let frame = Frame::along(up.vector(), DVec3::X);
+        let [rows, columns] = self.array;
+        let along = |k: u32, of: u32, step: f64| (f64::from(k) - 0.5 * (f64::from(of) - 1.0)) * step;
+        let middle = |row, column| {
+            let across = frame.tangent * along(column, columns, self.spacing[1]);
+            self.position + across - frame.bitangent * along(row, rows, self.spacing[0])
+        };
+        (0..rows).flat_map(|row| (0..columns).map(move |column| middle(row, column))).collect()
+    }
+
+    /// How luminaires of its photometry hang.
+    fn hung(&self, light: &LampPhotometry, up: UpAxis) -> Vec<(DVec3, Frame)> {
+        let attitude = Attitude { turn: light.turn, tilt: light.tilt, aim: Some(self.aim) };
+        let frame = attitude.frame(up);
+        self.middles(up).into_iter().map(|middle| (middle, frame)).collect()
+    }
+
+    /// The lumens of each that its file gives, where it has one.
+    pub(super) fn lumens_of_file(&self, up: UpAxis) -> Option<f64> {
+        let light = self.photometric.as_ref().filter(|light| light.file.is_some())?;
+        let (_, lumens) = PhotometricLight::new(Arc::clone(&light.photometry), &self.hung(light, up), up)?;
+        Some(lumens / self.count())
+    }
+
+    /// How many faces it has.
+    fn faces(&self) -> usize {
+        if self.photometric.is_some() { 0 } else { self.count() as usize }
     }
 
     /// How it starts.
     pub fn state(&self) -> LampState {
-        let strength = self.lumens / (LUMINOUS_EFFICACY * self.area());
+        let strength = self.lumens * self.count() / (LUMINOUS_EFFICACY * self.area());
         let exitance = self.colour.of_luminance_one().map(|c| c * strength);
         LampState { on: self.on, dimmer: self.dimmer, exitance }
     }
@@ -92,7 +174,7 @@ impl PlacedLamp {
         let mut lamp = Self { on: state.on, dimmer: state.dimmer, ..self.clone() };
         if state.exitance != self.state().exitance {
             let luminance = luminance_weighted(state.exitance);
-            lamp.lumens = LUMINOUS_EFFICACY * luminance * self.area();
+            lamp.lumens = LUMINOUS_EFFICACY * luminance * self.area() / self.count();
             if luminance > 0.0 {
                 lamp.colour = LampColour::Linear(state.exitance.map(|e| e / luminance));
             }
@@ -100,13 +182,13 @@ impl PlacedLamp {
         lamp
     }
 
-    /// Corners of the face that shines, counter-clockwise from its front.
-    fn corners(&self, up: UpAxis) -> [DVec3; 4] {
+    /// Corners of the face that shines around a middle, counter-clockwise from its front.
+    fn corners(&self, middle: DVec3, up: UpAxis) -> [DVec3; 4] {
         let level = up.vector().cross(self.aim);
         let level = if level.length() > 1e-6 { level } else { DVec3::X };
         let frame = Frame::along(self.aim, level);
         let (a, b) = (frame.tangent * (0.5 * self.size[0]), frame.bitangent * (0.5 * self.size[1]));
-        [-a - b, a - b, a + b, b - a].map(|corner| self.position + corner)
+        [-a - b, a - b, a + b, b - a].map(|corner| middle + corner)
     }
 }
 
@@ -133,18 +215,21 @@ impl Scene {
 
     /// Undoes [`Self::place`]: everything of it stands at the ends of the lists.
     fn take_away_placed(&mut self) {
-        let count = std::mem::take(&mut self.placed).len();
-        if count > 0 {
-            self.surfaces.truncate(self.surfaces.len() - count);
-            self.positions.truncate(self.positions.len() - 4 * count);
-            self.objects.truncate(self.objects.len() - count);
-            self.given_objects.truncate(self.given_objects.len() - count);
-            self.luminaires.truncate(self.luminaires.len() - count);
+        let lamps = std::mem::take(&mut self.placed);
+        if !lamps.is_empty() {
+            let faces: usize = lamps.iter().map(PlacedLamp::faces).sum();
+            let objects = lamps.iter().filter(|lamp| lamp.faces() > 0).count();
+            self.surfaces.truncate(self.surfaces.len() - faces);
+            self.positions.truncate(self.positions.len() - 4 * faces);
+            self.objects.truncate(self.objects.len() - objects);
+            self.given_objects.truncate(self.given_objects.len() - objects);
+            self.luminaires.truncate(self.luminaires.len() - lamps.len());
             self.materials.pop();
         }
     }
 
-    /// Adds lamps to a scene that has none placed yet: one object, surface and luminaire each.
+    /// Adds lamps to a scene that has none placed yet: one luminaire each, and one object of one surface for each
+    /// lamp of its array unless it shines by photometry.
     pub(super) fn place(&mut self, lamps: Vec<PlacedLamp>) {
         if lamps.is_empty() {
             return;
@@ -157,162 +242,44 @@ impl Scene {
             sides: Sides::Front,
         });
         for lamp in &lamps {
-            let first = self.positions.len() as u32;
-            self.positions.extend(lamp.corners(self.up));
-            self.objects.push(lamp.name.clone());
-            self.given_objects.push(lamp.name.clone());
-            self.surfaces.push(Surface {
-                corners: (first..first + 4)
-                    .map(|position| Corner { position, normal: None, uv: None })
-                    .collect(),
-                object: self.objects.len() as u32 - 1,
-                material: self.materials.len() as u32 - 1,
-                luminaire: Some(self.luminaires.len() as u32),
-                emission_weight: [1.0; 3],
-                emits_back: false,
-                line: None,
+            let middles = if lamp.faces() > 0 { lamp.middles(self.up) } else { Vec::new() };
+            if lamp.faces() > 0 {
+                self.objects.push(lamp.name.clone());
+                self.given_objects.push(lamp.name.clone());
+            }
+            for middle in middles {
+                let first = self.positions.len() as u32;
+                self.positions.extend(lamp.corners(middle, self.up));
+                self.surfaces.push(Surface {
+                    corners: (first..first + 4)
+                        .map(|position| Corner { position, normal: None, uv: None })
+                        .collect(),
+                    object: self.objects.len() as u32 - 1,
+                    material: self.materials.len() as u32 - 1,
+                    luminaire: Some(self.luminaires.len() as u32),
+                    emission_weight: [1.0; 3],
+                    emits_back: false,
+                    line: None,
+                });
+            }
+            let light = lamp.photometric.as_ref().and_then(|light| {
+                let hung = lamp.hung(light, self.up);
+                PhotometricLight::new(Arc::clone(&light.photometry), &hung, self.up)
             });
             self.luminaires.push(Luminaire {
                 name: lamp.name.clone(),
                 area: lamp.area(),
                 initial: lamp.state(),
+                photometric: light.map(|(light, _)| light),
             });
         }
         self.placed = lamps;
     }
 }
 
-/// A `[[lamp]]` of the sidecar; lengths in the file's unit.
-#[derive(Clone, Debug, Deserialize, Serialize)]
-#[serde(deny_unknown_fields)]
-pub(super) struct LampEntry {
-    pub(super) name: Spanned<String>,
-    #[serde(default)]
-    kind: LampKind,
-    position: [f64; 3],
-    #[serde(skip_serializing_if = "Option::is_none")]
-    aim: Option<[f64; 3]>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    size: Option<[f64; 2]>,
-    lumens: f64,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    colour: Option<[f64; 3]>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    cct: Option<f64>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    on: Option<bool>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    dimmer: Option<f64>,
-}
-
-impl LampEntry {
-    /// The entry that brings a lamp back.
-    pub(super) fn of(lamp: &PlacedLamp, scene: &Scene) -> Self {
-        let units = 1.0 / scene.unit.metres();
-        let (colour, cct) = match lamp.colour {
-            LampColour::Kelvin(kelvin) => (None, Some(kelvin)),
-            LampColour::Linear(colour) => (Some(colour), None),
-        };
-        Self {
-            name: Spanned::new(0..0, lamp.name.clone()),
-            kind: lamp.kind,
-            position: scene.in_file(lamp.position).to_array().map(tidied),
-            aim: Some(lamp.aim.to_array().map(tidied)),
-            size: Some(lamp.size.map(|edge| tidied(edge * units))),
-            lumens: lamp.lumens,
-            colour,
-            cct,
-            on: (!lamp.on).then_some(false),
-            dimmer: (lamp.dimmer != 1.0).then_some(lamp.dimmer),
-        }
-    }
-
-    /// The lamp in metres, or what is wrong with the entry.
-    fn lamp(&self, (unit, up, origin): (LengthUnit, UpAxis, DVec3)) -> Result<PlacedLamp, String> {
-        let metres = unit.metres();
-        let aim = self.aim.map_or(-up.vector(), DVec3::from);
-        let position = DVec3::from(self.position) * metres - origin;
-        let size = self.size.map_or([USUAL_SIZE; 2], |size| size.map(|edge| edge * metres));
-        if self.name.get_ref().trim().is_empty() {
-            return Err("needs a name".to_owned());
-        }
-        if !position.is_finite() {
-            return Err("must have a position of three numbers".to_owned());
-        }
-        let Some(aim) = aim.try_normalize().filter(|aim| aim.is_finite()) else {
-            return Err("must have an aim, as in aim = [0, -1, 0] for one that shines downwards".to_owned());
-        };
-        if !size.iter().all(|edge| edge.is_finite() && *edge > 0.0 && *edge <= LARGEST) {
-            return Err(format!("must have a size of two lengths above 0 and up to {LARGEST} m"));
-        }
-        if !(self.lumens.is_finite() && (0.0..=1e12).contains(&self.lumens)) {
-            return Err("must have lumens of 0 or more".to_owned());
-        }
-        if self.dimmer.is_some_and(|dimmer| !(0.0..=1.0).contains(&dimmer)) {
-            return Err("must have a dimmer between 0 and 1".to_owned());
-        }
-        let colour = match (self.colour, self.cct) {
-            (Some(_), Some(_)) => return Err("has both colour and cct; give one".to_owned()),
-            (_, Some(kelvin)) if !(1000.0..=40_000.0).contains(&kelvin) => {
-                return Err("must have a cct between 1000 and 40000 kelvin".to_owned());
-            }
-            (_, Some(kelvin)) => LampColour::Kelvin(kelvin),
-            (Some(colour), None) => {
-                let is_one = colour.iter().all(|c| c.is_finite() && (0.0..=1e12).contains(c));
-                if !is_one || normalised(colour).is_none() {
-                    let fault = "must have a colour of three numbers of 0 or more, not all 0";
-                    return Err(fault.to_owned());
-                }
-                LampColour::Linear(colour)
-            }
-            (None, None) => LampColour::Linear([1.0; 3]),
-        };
-        Ok(PlacedLamp {
-            name: self.name.get_ref().clone(),
-            kind: self.kind,
-            position,
-            aim,
-            size,
-            lumens: self.lumens,
-            colour,
-            on: self.on.unwrap_or(true),
-            dimmer: self.dimmer.unwrap_or(1.0),
-        })
-    }
-}
-
-/// A number without what changes of unit add in its last digits.
-fn tidied(value: f64) -> f64 {
-    let rounded = (value * 1e6).round() * 1e-6;
-    // Through text: the nearest number to what a person reads.
-    format!("{rounded:.6}").parse().unwrap_or(value) + 0.0
-}
-
-/// The lamps of a sidecar in metres, for a file of this unit and up axis whose positions count from the third,
-/// metres; `others` are the luminaires that the model has without them.
-pub(super) fn read(
-    entries: &[LampEntry],
-    frame: (LengthUnit, UpAxis, DVec3),
-    others: &[Luminaire],
-    source: Source<'_>,
-) -> Result<Vec<PlacedLamp>, SceneError> {
-    let mut taken: HashSet<&str> = others.iter().map(|lamp| lamp.name.as_str()).collect();
-    let mut lamps = Vec::with_capacity(entries.len());
-    for entry in entries {
-        let name = entry.name.get_ref();
-        let fail = |fault: &str| {
-            source.error_at(entry.name.span().start, format!("the lamp '{}' {fault}", names::short(name)))
-        };
-        lamps.push(entry.lamp(frame).map_err(|fault| fail(&fault))?);
-        if !taken.insert(name) {
-            return Err(fail("is there twice; names of lamps must differ"));
-        }
-    }
-    Ok(lamps)
-}
-
 #[cfg(test)]
 mod tests {
+    use super::super::error::SceneError;
     use super::super::{from_text, lumens, sidecar_text};
     use super::*;
 

@@ -106,9 +106,9 @@ pub(super) fn lamps_of_entries(scene: &Scene, sidecar: &Sidecar) -> Option<Vec<R
     let objects = shown_and_given(&scene.objects, &scene.given_objects);
     let materials = material_names(&scene.materials);
     // Each surface with that which is written for its other side.
-    let mut of_lamps: Vec<Vec<[Option<&Surface>; 2]>> = vec![Vec::new(); scene.luminaires.len()];
+    let mut of_lamps: Vec<Vec<[Option<&Surface>; 2]>> = vec![Vec::new(); scene.own_luminaires()];
     for (surface, partner) in scene.surfaces.iter().zip(partners(&scene.positions, &scene.surfaces)) {
-        if let Some(lamp) = surface.luminaire {
+        if let Some(lamp) = surface.luminaire.filter(|&lamp| (lamp as usize) < scene.own_luminaires()) {
             let other = partner.and_then(|other| scene.surfaces.get(other as usize));
             of_lamps.get_mut(lamp as usize)?.push([Some(surface), other]);
         }

@@ -2,9 +2,10 @@
 
 use super::error::SceneError;
 use super::finding::{Finding, FindingKind, Severity};
+use super::lamp_entry::LampEntry;
 use super::mtl::repair_reflectance;
 use super::names;
-use super::placed::LampEntry;
+use super::photometric::Attitude;
 use super::selection::{material_names, meant};
 use super::text::folded;
 use super::types::{LengthUnit, MAX_REFLECTANCE, Material, Sides, UpAxis, View};
@@ -123,6 +124,14 @@ pub(super) struct LuminaireEntry {
     pub(super) dimmer: Option<f64>,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) emits: Option<EmitsKey>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) photometry: Option<String>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) aim: Option<[f64; 3]>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) turn: Option<f64>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) tilt: Option<f64>,
 }
 
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize, Serialize)]
@@ -331,6 +340,12 @@ impl LuminaireEntry {
         }
     }
 
+    /// How luminaires of its photometry hang whose faces look this way.
+    pub(super) fn attitude(&self, normal: Option<DVec3>) -> Attitude {
+        let given = self.aim.and_then(|aim| DVec3::from(aim).try_normalize());
+        Attitude { turn: self.turn.unwrap_or(0.0), tilt: self.tilt.unwrap_or(0.0), aim: given.or(normal) }
+    }
+
     /// What is wrong with the entry by itself.
     pub(super) fn fault(&self) -> Option<String> {
         let finite = |values: &[f64]| values.iter().all(|v| v.is_finite() && *v >= 0.0 && *v <= 1e12);
@@ -365,7 +380,13 @@ impl LuminaireEntry {
         if self.dimmer.is_some_and(|dimmer| !(0.0..=1.0).contains(&dimmer)) {
             return Some("must have a dimmer between 0 and 1".to_owned());
         }
-        None
+        if self.photometry.is_none() && (self.aim.is_some() || self.turn.is_some() || self.tilt.is_some()) {
+            return Some("has an aim, turn or tilt, which only lamps with photometry have".to_owned());
+        }
+        if self.aim.is_some_and(|aim| DVec3::from(aim).try_normalize().is_none()) {
+            return Some("must have an aim, as in aim = [0, -1, 0] for one that shines downwards".to_owned());
+        }
+        self.attitude(None).fault()
     }
 }
 

@@ -1,8 +1,8 @@
 //! Edited lamps, materials and bookmarks written back to the sidecar.
 
 use super::error::SceneError;
+use super::lamp_entry::LampEntry;
 use super::luminaires::selectors;
-use super::placed::LampEntry;
 use super::selection::lamps_of_entries;
 use super::sidecar::{LuminaireEntry, MaterialEntry, Sidecar, SidesKey, Source, UpKey, ViewEntry};
 use super::types::{LampState, LengthUnit, Lighting, Luminaire, Scene, Sides, UpAxis};

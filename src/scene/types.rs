@@ -1,5 +1,6 @@
 use super::extent::{Extent, Footprint};
 use super::finding::Finding;
+use super::photometric::PhotometricLight;
 use super::placed::PlacedLamp;
 use super::text::folded;
 use crate::geometry::Aabb;
@@ -306,10 +307,14 @@ impl Texture {
 pub struct Luminaire {
     /// What the user reads: "Kitchen pendant".
     pub name: String,
-    /// Total emitting area, m².
+    /// Total emitting area, m²: with its exitance the flux. Of photometric lamps without surfaces that of their
+    /// openings, or a nominal one.
     pub area: f64,
     /// How it comes with the file.
     pub initial: LampState,
+    /// Where its light is that of a photometric file: its surfaces glow in the picture, and light nothing by
+    /// themselves.
+    pub photometric: Option<PhotometricLight>,
 }
 
 /// The state of one lamp. Its exitance is `on * dimmer * exitance`.

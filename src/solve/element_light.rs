@@ -77,8 +77,12 @@ impl ElementLight {
         let columns = system.columns();
         let mut values = Vec::with_capacity(carried.values.len());
         let (mut sent, mut arriving) = (vec![0.0_f64; columns], vec![0.0_f64; columns]);
+        let mut escaping = 0.0;
         for i in 0..system.patches() {
             let row_sum = transport.row_sum(i);
+            if transport.sees(i) {
+                escaping += system.areas[i] * (1.0 - row_sum).max(0.0);
+            }
             let share = if transport.sees(i) { transport.quality(i).open } else { 0.0 };
             for column in 0..columns {
                 let at = i * columns + column;
@@ -89,11 +93,21 @@ impl ElementLight {
                 arriving[column] += system.areas[i] * f64::from(value);
             }
         }
-        let scaling: Arc<[f32]> = sent
-            .iter()
-            .zip(&arriving)
-            .map(|(sent, arriving)| if *arriving > 0.0 { (sent / arriving) as f32 } else { 1.0 })
-            .collect();
+        // What shines by photometry is known to arrive where nothing escapes, but for what its own housing swallows.
+        let is_sealed = escaping <= SEALED * system.areas.iter().sum::<f64>();
+        let scale = |(column, (&sent, &arriving)): (usize, (&f64, &f64))| {
+            let area = system.photometric_area(column);
+            if arriving <= 0.0 {
+                1.0
+            } else if area <= 0.0 {
+                (sent / arriving) as f32
+            } else if is_sealed && (arriving / area - 1.0).abs() < NEARLY_ALL {
+                (area / arriving) as f32
+            } else {
+                1.0
+            }
+        };
+        let scaling: Arc<[f32]> = sent.iter().zip(&arriving).enumerate().map(scale).collect();
         if columns > 0 {
             for own in values.chunks_exact_mut(columns) {
                 own.iter_mut().zip(scaling.iter()).for_each(|(value, scale)| *value *= scale);
@@ -230,6 +244,11 @@ impl ElementLight {
         PatchLight { detail: Some(Arc::new(self.detail(&light, lighting, reflectance))), ..light }
     }
 }
+
+/// A scene is sealed where a smaller part of what leaves its patches escapes.
+const SEALED: f64 = 1e-4;
+/// Where so much of a lamp's flux or more is off, something else than the mesh is the reason.
+const NEARLY_ALL: f64 = 0.02;
 
 /// What counts of each basis: luminance of its exitance at full output, W/m².
 fn exitances(scene: &Scene, bases: &[Basis]) -> Vec<f64> {

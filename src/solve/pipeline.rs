@@ -353,8 +353,8 @@ impl<'a> Run<'a> {
     }
 
     /// Direct light on elements; `None` where rows are computed by another method than the usual one, which is then
-    /// to be seen as it is, and where there are no lamps. `rows` are those that there are so far: they tell how long
-    /// the others will take.
+    /// to be seen as it is unless lamps shine by their photometry, and where there are no lamps. `rows` are those that
+    /// there are so far: they tell how long the others will take.
     ///
     /// # Errors
     /// The run was ended.
@@ -364,7 +364,9 @@ impl<'a> Run<'a> {
         system: &System,
         rows: &[Option<Row>],
     ) -> Result<Option<ElementLight>, PipelineError> {
-        if prepared.computer.sampling().method != Method::Lines || system.lamps == 0 {
+        let by_rows =
+            prepared.computer.sampling().method != Method::Lines && prepared.mesh.photometric.is_empty();
+        if by_rows || system.lamps == 0 {
             return Ok(None);
         }
         let clock = self.clock();

@@ -147,20 +147,32 @@ impl PatchLight {
         Some(Self { irradiance, radiosity, detail: None })
     }
 
-    /// The power of this light: with E = B - rho H the lamps emit the sum of A E and the surfaces absorb that
-    /// of A (1 - rho) H.
-    pub fn power(&self, mesh: &PatchMesh, reflectance: &[[f32; 3]]) -> Power {
+    /// The power of this light under `lighting`: with E = B - rho H the lamps emit the sum of A E and the surfaces
+    /// absorb that of A (1 - rho) H. Lamps that shine by their photometry emit their flux.
+    pub fn power(&self, mesh: &PatchMesh, reflectance: &[[f32; 3]], lighting: &Lighting) -> Power {
         let lit = self.irradiance.iter().zip(&self.radiosity).zip(reflectance);
-        let mut power = Power::default();
+        let mut power = Power { emitted: photometric_power(mesh, lighting), absorbed: 0.0 };
         for (patch, ((h, b), rho)) in mesh.patches.iter().zip(lit) {
+            let is_photometric = patch.luminaire.is_some_and(|lamp| mesh.is_photometric(lamp));
             for band in 0..3 {
                 let [h, b, rho] = [h[band], b[band], rho[band]].map(f64::from);
-                power.emitted += patch.area * (b - rho * h);
+                if !is_photometric {
+                    power.emitted += patch.area * (b - rho * h);
+                }
                 power.absorbed += patch.area * (1.0 - rho) * h;
             }
         }
         power
     }
+}
+
+/// What lamps emit that shine by their photometry, W over all bands.
+pub fn photometric_power(mesh: &PatchMesh, lighting: &Lighting) -> f64 {
+    let of = |source: &crate::scene::PhotometricSource| {
+        let lamp = lighting.lamps.get(source.luminaire as usize);
+        lamp.map_or(0.0, |lamp| source.area * lamp.output().iter().sum::<f64>())
+    };
+    mesh.photometric.iter().map(of).sum()
 }
 
 /// Exitance of a patch as its lamp is switched, dimmed and coloured, W/m² per band.

@@ -179,6 +179,18 @@ impl GaussSeidel {
                 let output = system.output[column];
                 // One grey band stands for three.
                 let copies = if system.bands == 1 { 3.0 } else { 1.0 };
+                // What shines by photometry arrives at patches or leaves through openings.
+                let area = system.photometric_area(column);
+                report.emitted += output * copies * area;
+                if area > 0.0 {
+                    let arrived: f64 = system
+                        .areas
+                        .iter()
+                        .zip(&group.direct)
+                        .map(|(area, direct)| area * direct[lane])
+                        .sum();
+                    report.escaped += output * copies * (area - arrived).max(0.0);
+                }
                 for i in 0..system.patches() {
                     let power = system.areas[i] * output * copies;
                     let emitted = system.exitance(i, column);

@@ -12,7 +12,7 @@ mod residual;
 mod shooter;
 mod system;
 
-pub use bases::{Detail, LightBases, PatchLight, Power, direct_bases, patch_emission};
+pub use bases::{Detail, LightBases, PatchLight, Power, direct_bases, patch_emission, photometric_power};
 pub use gauss_seidel::{GaussSeidel, columns_read};
 pub use refiner::Refiner;
 pub use residual::{gathered, residual};

@@ -21,6 +21,9 @@ pub struct System {
     pub areas: Vec<f64>,
     /// Exitance a column for the lamps as they come with the scene, W/m².
     pub output: Vec<f64>,
+    /// What each lamp sends out that is no exitance of its patches, W for a unit of its exitance: of those that shine
+    /// by their photometry all, m². A lamp beyond the list has none.
+    pub photometric: Vec<f64>,
     /// Irradiance of each patch straight from the lamps, at unit exitance, where it is known better than by
     /// gathering their emission.
     pub direct: Option<Arc<LightBases>>,
@@ -47,7 +50,20 @@ impl System {
             lamps: lighting.lamps.len(),
             bands,
             reflectance: reflectance.to_vec(),
-            emission: mesh.patches.iter().map(|p| p.luminaire.map(|l| (l, p.emission_weight))).collect(),
+            emission: mesh
+                .patches
+                .iter()
+                .map(|p| Some((p.luminaire.filter(|&lamp| !mesh.is_photometric(lamp))?, p.emission_weight)))
+                .collect(),
+            photometric: {
+                let mut areas = vec![0.0; lighting.lamps.len()];
+                for source in &mesh.photometric {
+                    if let Some(area) = areas.get_mut(source.luminaire as usize) {
+                        *area += source.area;
+                    }
+                }
+                areas
+            },
             areas: mesh.patches.iter().map(|p| p.area).collect(),
             output,
             direct: None,
@@ -77,6 +93,11 @@ impl System {
             Some((lamp, weight)) if lamp as usize == column / self.bands => weight[column % self.bands],
             _ => 0.0,
         }
+    }
+
+    /// What the lamp of a column sends out by its photometry for a unit of its exitance, m².
+    pub fn photometric_area(&self, column: usize) -> f64 {
+        self.photometric.get(column / self.bands).copied().unwrap_or(0.0)
     }
 
     /// Reflectance of a patch in a column.

@@ -38,6 +38,7 @@ pub fn audit(
         transport: solved.transport.as_deref()?,
         light: &light,
         exitance: &exitance,
+        lighting,
         reflectance: &solved.reflectance,
         shown: &shown,
     };

@@ -31,6 +31,7 @@ pub fn points(
         transport,
         light,
         exitance: &exitance,
+        lighting,
         reflectance: &solved.reflectance,
         shown: &shown,
     };

@@ -43,7 +43,7 @@ impl Lit {
             Some(elements) => elements.detailed(light, lighting, reflectance),
             None => light,
         };
-        let power = light.power(&prepared.mesh, reflectance);
+        let power = light.power(&prepared.mesh, reflectance, lighting);
         let shading = shading_of(*shading);
         let detail = light.detail.as_deref().map(in_detail);
         let corners =

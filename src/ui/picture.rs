@@ -308,7 +308,7 @@ impl Picture {
                 Some(elements) => elements.detailed(light, lighting, &self.reflectance),
                 None => light,
             };
-            self.power = self.light.power(&prepared.mesh, &self.reflectance);
+            self.power = self.light.power(&prepared.mesh, &self.reflectance, lighting);
             self.lighting.clone_from(lighting);
             self.corners = None;
             self.light_version += 1;

@@ -98,6 +98,7 @@ impl Assembled {
             emission: (0..n).map(|i| Some((0, [patch(i).1; 3]))).collect(),
             areas: self.patches().iter().map(|p| p.area).collect(),
             output: vec![1.0],
+            photometric: Vec::new(),
             direct: None,
         }
     }

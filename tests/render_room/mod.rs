@@ -158,7 +158,12 @@ impl Room {
         surface.luminaire = Some(0);
         surface.emission_weight = [1.0; 3];
         let initial = LampState { on: true, dimmer: 1.0, exitance: [60.0, 55.0, 45.0] };
-        room.scene.luminaires.push(Luminaire { name: "Ceiling".to_owned(), area: 1.0, initial });
+        room.scene.luminaires.push(Luminaire {
+            name: "Ceiling".to_owned(),
+            area: 1.0,
+            initial,
+            photometric: None,
+        });
         room
     }
 

@@ -4,7 +4,7 @@
 mod plan;
 mod rooms;
 
-use super::placed::{LampColour, LampKind, PlacedLamp};
+use super::placed::{LampColour, LampKind, PlacedLamp, SINGLE};
 use super::types::Scene;
 use crate::geometry::Ray;
 use glam::{DVec2, DVec3};
@@ -219,6 +219,9 @@ fn named(scene: &Scene, rooms: Vec<Lit>) -> Vec<PlacedLamp> {
                 colour: LampColour::Kelvin(KELVIN),
                 on: true,
                 dimmer: 1.0,
+                photometric: None,
+                array: SINGLE,
+                spacing: [0.0; 2],
             });
         }
     }
