@@ -8,6 +8,8 @@ pub mod watch;
 pub mod geometry;
 pub mod encoding;
 pub mod photometry;
+pub mod glazing;
+pub mod daylight;
 pub mod scene;
 pub mod mesh;
 pub mod effects;

@@ -9,7 +9,9 @@ const ROOMS: &[(&str, &str)] = &[
     ("geometry", "watch"),
     ("encoding", ""),
     ("photometry", "encoding"),
-    ("scene", "photometry encoding geometry watch"),
+    ("glazing", "geometry"),
+    ("daylight", "glazing encoding geometry"),
+    ("scene", "daylight photometry encoding geometry watch"),
     ("mesh", "scene photometry geometry watch"),
     ("effects", "mesh scene geometry"),
     ("visibility", "mesh geometry watch"),
@@ -44,7 +46,7 @@ const ROOMS: &[(&str, &str)] = &[
     ),
     (
         "cli",
-        "photometry ui study outputs export render navigation display validate solve accuracy solver direct emitters form_factors \
+        "daylight photometry ui study outputs export render navigation display validate solve accuracy solver direct emitters form_factors \
          effects mesh scene geometry",
     ),
 ];
@@ -64,6 +66,7 @@ const CRATES: &[(&str, &[&str])] = &[
     ("exr", &["export"]),
     ("resvg", &["export"]),
     ("tobj", &["scene"]),
+    ("solar_positioning", &["daylight"]),
 ];
 
 /// All that the command line takes from the window.
