@@ -3,10 +3,11 @@
 use super::audit::Answer;
 use super::openings::{Openings, Shares};
 use super::sobol::Sobol;
+use crate::daylight::SUN_DIAMETER;
 use crate::direct::{Elements, NO_ELEMENT};
 use crate::geometry::{Bvh, Frame, Ray};
 use crate::mesh::{NO_PATCH, PatchMesh};
-use crate::scene::luminance_weighted;
+use crate::scene::{Outdoors, luminance_weighted};
 use glam::DVec3;
 use std::f64::consts::{PI, TAU};
 use std::sync::Arc;
@@ -83,6 +84,8 @@ pub struct Witness<'a> {
     lamps: Vec<(u32, f64)>,
     /// What shines by photometry.
     openings: Openings,
+    /// The sky and the sun, and how bright they are switched, over what they come with.
+    outdoors: Option<(Arc<Outdoors>, f64, f64)>,
     offset: f64,
 }
 
@@ -159,6 +162,11 @@ impl<'a> Witness<'a> {
                 .map(|i| (i as u32, sent(i) * mesh.patches[i].area))
                 .collect(),
             openings: Openings::new(&mesh.photometric, of_lamp),
+            outdoors: mesh.outdoors.as_ref().map(|outdoors| {
+                let over = |lamp: u32, unit: f64| if unit > 0.0 { of_lamp(lamp) / unit } else { 0.0 };
+                let of_sky = over(outdoors.sky, outdoors.sky_exitance());
+                (Arc::clone(outdoors), of_sky, over(outdoors.sun, outdoors.sun_exitance()))
+            }),
             offset: 1e-7 * mesh.size,
         }
     }
@@ -341,6 +349,12 @@ impl<'a> Witness<'a> {
             let ray = Ray { origin, direction };
             let is_shown = |triangle: u32| self.is_shown(triangle, direction);
             let Some(hit) = self.bvh.nearest_where(&ray, self.offset, f64::INFINITY, is_shown) else {
+                if let Some((outdoors, sky, _)) = &self.outdoors {
+                    let direct = each * PI * sky * outdoors.radiance(direction);
+                    found.constant += direct;
+                    found.shown += direct;
+                    found.direct += direct;
+                }
                 continue;
             };
             let piece = &self.mesh.pieces[self.pieces[hit.triangle as usize] as usize];
@@ -394,7 +408,38 @@ impl<'a> Witness<'a> {
             found.direct += direct;
         }
 
-        // 3. Towards what shines by photometry.
+        // 3. Towards the disc of the sun, each ray to a point of its own.
+        if let Some((outdoors, _, sun)) = self.outdoors.as_ref().filter(|outdoors| outdoors.2 > 0.0) {
+            let sequence = Sobol::new(seed ^ 0x9E6C_63D0_876A_3F35);
+            let to_sun = (rays / 4).max(16);
+            let disc = Frame::around(outdoors.to_sun());
+            let radius = (0.5 * SUN_DIAMETER).to_radians().tan();
+            let mut direct = 0.0;
+            for k in 0..to_sun {
+                let u = sequence.point(k);
+                let (origin, normal) = start(u);
+                let (sin, cos) = (TAU * u[1]).sin_cos();
+                let out = radius * u[0].sqrt();
+                let direction = disc.world(DVec3::new(out * cos, out * sin, 1.0)).normalize();
+                let cosine = normal.dot(direction);
+                let is_shown = |triangle: u32| self.is_shown(triangle, direction);
+                if cosine > 0.0
+                    && !self.bvh.occluded_where(
+                        &Ray { origin, direction },
+                        self.offset,
+                        f64::INFINITY,
+                        is_shown,
+                    )
+                {
+                    direct += sun * outdoors.sun_exitance() * cosine / f64::from(to_sun);
+                }
+            }
+            found.constant += direct;
+            found.shown += direct;
+            found.direct += direct;
+        }
+
+        // 4. Towards what shines by photometry.
         if !self.openings.is_empty() {
             let is_hidden = |lamp: u32, origin: DVec3, direction: DVec3, end: f64| {
                 let stands =

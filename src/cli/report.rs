@@ -171,7 +171,8 @@ fn scene(scene: &Scene, lighting: &Lighting) -> SceneReport {
 
 /// Sum of E A and of (1 - rho) H A over patches and bands, W.
 fn power(mesh: &PatchMesh, lighting: &Lighting, light: &PatchLight, reflectance: &[[f32; 3]]) -> PowerReport {
-    let (mut emitted, mut absorbed) = (photometric_power(mesh, lighting), 0.0);
+    let outdoors = light.detail.as_ref().map_or(0.0, |detail| detail.outdoors);
+    let (mut emitted, mut absorbed) = (photometric_power(mesh, lighting) + outdoors, 0.0);
     for ((patch, irradiance), rho) in mesh.patches.iter().zip(&light.irradiance).zip(reflectance) {
         let shines = patch.luminaire.is_some_and(|lamp| !mesh.is_photometric(lamp));
         let exitance = if shines { patch_emission(patch, lighting) } else { [0.0; 3] };

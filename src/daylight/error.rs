@@ -6,7 +6,8 @@
 pub struct DaylightError(pub(super) String);
 
 impl DaylightError {
-    pub(super) fn new(message: impl Into<String>) -> Self {
+    /// Of one sentence without a full stop.
+    pub fn new(message: impl Into<String>) -> Self {
         Self(message.into())
     }
 }

@@ -1,6 +1,6 @@
 //! The lamps of a scene as emitters.
 
-use super::{ConvexBody, Emitter, Face, PhotometricEmitter};
+use super::{ConvexBody, Emitter, Face, OutdoorEmitter, PhotometricEmitter};
 use crate::mesh::{NO_PATCH, PatchMesh, Side};
 use crate::scene::PhotometricSource;
 use crate::visibility::THICKNESS;
@@ -63,6 +63,11 @@ impl Emitters {
             photometric.entry(source.luminaire).or_default().0.push(source);
             lamps.entry(source.luminaire).or_default();
         }
+        if let Some(outdoors) = &mesh.outdoors {
+            for lamp in [outdoors.sky, outdoors.sun] {
+                lamps.entry(lamp).or_default();
+            }
+        }
         let mut parts = mesh.convex.parts.iter().enumerate().peekable();
         for (index, region) in mesh.regions.iter().enumerate() {
             let mut own = Vec::new();
@@ -103,11 +108,24 @@ impl Emitters {
         let mut all = Self::default();
         for (lamp, colours) in lamps {
             match photometric.remove(&lamp) {
+                _ if mesh.is_outdoors(lamp) => all.add_outdoors(lamp, mesh),
                 Some((sources, regions)) => all.add_photometric(lamp, &sources, &regions, mesh.size),
                 None => all.add(lamp, colours, THICKNESS * mesh.size),
             }
         }
         all
+    }
+
+    fn add_outdoors(&mut self, lamp: u32, mesh: &PatchMesh) {
+        let Some(outdoors) = &mesh.outdoors else { return };
+        let parts = match lamp == outdoors.sky {
+            true => OutdoorEmitter::sky(outdoors, mesh.middle, mesh.size),
+            false => OutdoorEmitter::sun(outdoors, mesh.middle, mesh.size).into_iter().collect(),
+        };
+        let shares = vec![Share { basis: self.bases.len() as u32, factor: 1.0 }];
+        self.bases.push(Basis { lamp, weight: [1.0; 3] });
+        self.sources
+            .extend(parts.into_iter().map(|part| Source { emitter: Arc::new(part), shares: shares.clone() }));
     }
 
     fn add_photometric(&mut self, lamp: u32, sources: &[&PhotometricSource], regions: &[u32], size: f64) {

@@ -7,11 +7,13 @@
 mod body;
 mod face;
 mod lamps;
+mod outdoors;
 mod photometric;
 
 pub use body::ConvexBody;
 pub use face::Face;
 pub use lamps::{Basis, Emitters, Share, Source};
+pub use outdoors::OutdoorEmitter;
 pub use photometric::PhotometricEmitter;
 
 use glam::DVec3;

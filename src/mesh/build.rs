@@ -160,7 +160,9 @@ pub fn build_on(
     let mut facets: Vec<Facet> = Vec::new();
     let asked = sizing::count_asked(scene, settings.target);
     let photometric = scene.photometric_sources();
-    let mut mesh = PatchMesh { size, photometric, ..PatchMesh::default() };
+    let outdoors = scene.outdoors.clone().map(Arc::new);
+    let middle = scene.extent().main.centre();
+    let mut mesh = PatchMesh { size, photometric, outdoors, middle, ..PatchMesh::default() };
     let contacts = Contacts::new(if as_given { &[] } else { outlines }, size, watch.cancelled())?;
     let mut cutting = watch.part(0.0, CUT);
     for (index, outline) in outlines.iter().enumerate() {

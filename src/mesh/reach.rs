@@ -10,7 +10,7 @@ use super::regions::Outline;
 use super::shells::Shells;
 use super::types::{Patch, Side};
 use crate::geometry::{Frame, Ray, polygon};
-use crate::scene::{PhotometricSource, Scene, Sides};
+use crate::scene::{Outdoors, PhotometricSource, Scene, Sides};
 use crate::watch::{Cancelled, Watch};
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
@@ -96,6 +96,8 @@ pub(super) struct Sources {
     /// Points on lamps with the direction that they shine to.
     lamps: Vec<(DVec3, DVec3)>,
     lamp_tangents: Vec<DVec3>,
+    /// The sky and the ground beyond the model, where they shine: what escapes finds light.
+    outdoors: Option<Outdoors>,
     /// Points on lit sides with the direction that they face, where the search had to find them.
     lit_points: Vec<(DVec3, DVec3)>,
     /// Paths and rays start so far before a surface, metres.
@@ -123,7 +125,18 @@ impl Sources {
                 lamps.push((point, towards));
             }
         }
-        Self { lamps, lamp_tangents, lit_points: Vec::new(), offset: size * OFFSET }
+        let outdoors = scene.outdoors.clone();
+        Self { lamps, lamp_tangents, outdoors, lit_points: Vec::new(), offset: size * OFFSET }
+    }
+
+    /// Whether nothing shines.
+    fn is_dark(&self) -> bool {
+        self.lamps.is_empty() && self.outdoors.is_none()
+    }
+
+    /// Whether light comes from outside of the model in this direction.
+    fn shines_from(&self, direction: DVec3) -> bool {
+        self.outdoors.as_ref().is_some_and(|outdoors| outdoors.radiance(direction) > 0.0)
     }
 
     /// For every region how its front and its back stand to light; remembers points that are lit.
@@ -149,7 +162,7 @@ impl Sources {
             })
         };
         let mut reached: Vec<[Reach; 2]> = watch.part(0.1, 0.6).map(outlines, both)?;
-        if self.lamps.is_empty() || !reached.iter().flatten().any(|&r| r == Reach::Dark) {
+        if self.is_dark() || !reached.iter().flatten().any(|&r| r == Reach::Dark) {
             return Ok(reached);
         }
         // A side that the light of lamps meets over many bounces is lit, too.
@@ -210,9 +223,21 @@ impl<'a> Search<'a> {
     /// The sides that light from a lamp meets on one path, each with the first point there.
     fn path_of_lamp(&self, path: u64) -> Vec<(usize, DVec3)> {
         let mut met: Vec<(usize, DVec3)> = Vec::new();
-        let (mut point, normal) = self.sources.lamps[path as usize % self.sources.lamps.len()];
-        let mut frame =
-            Frame::along(normal, self.sources.lamp_tangents[path as usize % self.sources.lamps.len()]);
+        let lamps = &self.sources.lamps;
+        // With daylight every other path comes from outside.
+        let is_outdoors = self.sources.outdoors.is_some() && (path % 2 == 1 || lamps.is_empty());
+        let (mut point, mut frame) = if is_outdoors {
+            let Some((side, point)) = self.lit_from_outside(path) else { return met };
+            met.push((side, point));
+            if self.is_black(side) {
+                return met;
+            }
+            (point, self.frame(side))
+        } else {
+            let at = path as usize % lamps.len().max(1);
+            let Some(&(point, normal)) = lamps.get(at) else { return met };
+            (point, Frame::along(normal, self.sources.lamp_tangents[at]))
+        };
         for bounce in 0..LAMP_BOUNCES {
             let key = (1 << 50) + LAMP_BOUNCES * path + bounce;
             let direction = frame.world(cosine_from(unit(key, 1), unit(key, 2)));
@@ -229,6 +254,26 @@ impl<'a> Search<'a> {
             frame = self.frame(side);
         }
         met
+    }
+
+    /// A place that light from outside meets, and the side that it is on, where the one that the path tries is such.
+    fn lit_from_outside(&self, path: u64) -> Option<(usize, DVec3)> {
+        let key = (1 << 51) + path;
+        let index = ((unit(key, 0) * self.outlines.len() as f64) as usize).min(self.outlines.len() - 1);
+        let outline = &self.outlines[index];
+        let points = sample_points(outline, 4);
+        let point = *points.get((unit(key, 3) * points.len() as f64) as usize)?;
+        let back = unit(key, 4) < 0.5;
+        if back && (self.sheets.backing[index] == Backing::Whole || self.sheets.covers_back(index, point)) {
+            return None;
+        }
+        let (side, point) = (2 * index + usize::from(back), outline.world(point));
+        let frame = self.frame(side);
+        let direction = frame.world(cosine_from(unit(key, 1), unit(key, 2)));
+        let origin = point + frame.normal * self.sources.offset;
+        let is_lit =
+            self.sources.shines_from(direction) && self.sheets.nearest(&Ray { origin, direction }).is_none();
+        is_lit.then_some((side, point))
     }
 
     /// The side (2 x region + side) of a triangle that a ray in this direction meets.
@@ -300,7 +345,7 @@ impl<'a> Search<'a> {
         if emits || sides == Sides::Both || (sides == Sides::Front && side == Side::Front) {
             return Reach::Lit;
         }
-        if self.sources.lamps.is_empty() {
+        if self.sources.is_dark() {
             // Nothing is lit; every side is kept, so that the model is seen whole, however it is turned.
             let is_black = side == Side::Back && sides == Sides::Front;
             return if is_black { Reach::Black } else { Reach::Lit };
@@ -346,9 +391,7 @@ impl<'a> Search<'a> {
                 let open = points(patch).into_iter().take(40).find(|point| !covered(point));
                 return Some(open.map_or(Buried::Whole, Buried::LitAt));
             }
-            if !by_reach
-                || self.sources.lamps.is_empty()
-                || self.is_lit(&[patch.centre], frame, seed, PATHS / 3, 1)
+            if !by_reach || self.sources.is_dark() || self.is_lit(&[patch.centre], frame, seed, PATHS / 3, 1)
             {
                 return None;
             }
@@ -433,18 +476,19 @@ impl<'a> Search<'a> {
                 &self.sources.lamps
             };
             let target = (unit(key, 0) * targets.len() as f64) as usize;
-            let (at, towards) = targets[target.min(targets.len() - 1)];
-            let at = at + towards * self.sources.offset;
-            let to_target = at - point;
-            if to_target.dot(frame.normal) > 0.0
-                && to_target.dot(towards) < 0.0
-                && !self.sheets.occluded(&Ray { origin: point, direction: to_target }, 1.0)
-            {
-                return true;
+            if let Some(&(at, towards)) = targets.get(target.min(targets.len().saturating_sub(1))) {
+                let at = at + towards * self.sources.offset;
+                let to_target = at - point;
+                if to_target.dot(frame.normal) > 0.0
+                    && to_target.dot(towards) < 0.0
+                    && !self.sheets.occluded(&Ray { origin: point, direction: to_target }, 1.0)
+                {
+                    return true;
+                }
             }
             let direction = frame.world(cosine_from(unit(key, 1), unit(key, 2)));
             let Some(hit) = self.sheets.nearest(&Ray { origin: point, direction }) else {
-                return false;
+                return self.sources.shines_from(direction);
             };
             point += direction * hit.distance;
             frame = self.frame(self.side_met(hit.triangle, direction));

@@ -2,9 +2,10 @@ use super::backing::Backing;
 use super::clusters::Clusters;
 use super::convex_parts::ConvexParts;
 use crate::geometry::{Aabb, Frame};
-use crate::scene::{PhotometricSource, grouped};
+use crate::scene::{Outdoors, PhotometricSource, grouped};
 use glam::{DVec2, DVec3};
 use std::ops::Range;
+use std::sync::Arc;
 
 /// Stands for "no patch" in patch indices.
 pub const NO_PATCH: u32 = u32::MAX;
@@ -163,6 +164,10 @@ pub struct PatchMesh {
     /// Luminaires that shine by their photometry, lamp by lamp: the patches of these lamps glow in the picture and
     /// light nothing.
     pub photometric: Vec<PhotometricSource>,
+    /// The sky over the scene and the sun in it, where there is daylight.
+    pub outdoors: Option<Arc<Outdoors>>,
+    /// The middle of the main part of the scene, metres.
+    pub middle: DVec3,
     /// The length that tolerances are shares of, metres: [`crate::scene::Extent::scale`].
     pub size: f64,
     /// Counts and shapes.
@@ -173,6 +178,11 @@ impl PatchMesh {
     /// Whether the light of a luminaire is that of its photometry, not of its patches.
     pub fn is_photometric(&self, luminaire: u32) -> bool {
         self.photometric.binary_search_by_key(&luminaire, |source| source.luminaire).is_ok()
+    }
+
+    /// Whether a luminaire is the sky or the sun.
+    pub fn is_outdoors(&self, luminaire: u32) -> bool {
+        self.outdoors.as_ref().is_some_and(|out| luminaire == out.sky || luminaire == out.sun)
     }
 
     /// Pieces of a patch.

@@ -12,7 +12,7 @@ use super::repair::repair_watched;
 use super::sidecar::{Sidecar, Source};
 use super::space::Space;
 use super::types::{FrameChoice, Scene, SceneSource};
-use super::{builtin, frame, lamp_entry, mtl, names, obj, polygons, sides, views};
+use super::{builtin, frame, lamp_entry, mtl, names, obj, outdoors, polygons, sides, views};
 use crate::geometry::Aabb;
 use crate::watch::Watch;
 use glam::{DVec2, DVec3};
@@ -191,12 +191,19 @@ fn build(input: Input<'_>, watch: &mut Watch<'_>) -> Result<Scene, SceneError> {
         materials: materials.list,
         textures: textures.list,
         luminaires,
+        outdoors: None,
         placed: Vec::new(),
         views: bookmarks,
         start_view: 0,
         patch_size: sidecar.as_ref().and_then(|s| s.patch_size.as_ref()).map(|size| *size.get_ref()),
         findings,
     };
+    if let (Some(sidecar), Some(source)) = (&sidecar, sidecar_source)
+        && let Some(choice) = &sidecar.daylight
+    {
+        let (daylight, choice) = outdoors::read(choice, input.files, source)?;
+        scene.set_outdoors(daylight, choice);
+    }
     judge(&mut scene, stated);
     scene.place(placed);
     if let (Some(sidecar), Some(source)) = (&sidecar, sidecar_source)

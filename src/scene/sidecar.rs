@@ -5,6 +5,7 @@ use super::finding::{Finding, FindingKind, Severity};
 use super::lamp_entry::LampEntry;
 use super::mtl::repair_reflectance;
 use super::names;
+use super::outdoors::DaylightChoice;
 use super::photometric::Attitude;
 use super::selection::{material_names, meant};
 use super::text::folded;
@@ -26,6 +27,8 @@ pub(super) struct Sidecar {
     pub(super) start: Option<Spanned<String>>,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) patch_size: Option<Spanned<f64>>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub(super) daylight: Option<Spanned<DaylightChoice>>,
     #[serde(default, rename = "view", skip_serializing_if = "Vec::is_empty")]
     pub(super) views: Vec<ViewEntry>,
     #[serde(default, rename = "luminaire", skip_serializing_if = "Vec::is_empty")]

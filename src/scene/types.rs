@@ -1,5 +1,6 @@
 use super::extent::{Extent, Footprint};
 use super::finding::Finding;
+use super::outdoors::Outdoors;
 use super::photometric::PhotometricLight;
 use super::placed::PlacedLamp;
 use super::text::folded;
@@ -57,6 +58,8 @@ pub struct Scene {
     pub textures: Vec<Texture>,
     /// The lamps that a user can switch, in a stable order.
     pub luminaires: Vec<Luminaire>,
+    /// The sky over the model and the sun in it, where there is daylight: lamps of their own before the placed ones.
+    pub outdoors: Option<Outdoors>,
     /// Lamps that stand in no model file; the last of `luminaires`, in this order, are theirs.
     pub placed: Vec<PlacedLamp>,
     /// Bookmarks; never empty (the reader makes one up where the file has none).

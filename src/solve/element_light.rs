@@ -28,6 +28,10 @@ pub struct ElementLight {
     pub of_patches: Arc<LightBases>,
     /// What it was scaled by, per luminaire and band; 1 until the transport stands.
     pub scaling: Arc<[f32]>,
+    /// What of each luminaire and band arrives at all patches, W for a unit of its exitance, m².
+    pub arriving: Arc<[f64]>,
+    /// Luminaires that are the sky and the sun.
+    pub outdoors: Vec<u32>,
     /// What it brings to near patches since it does not leave patches evenly; nothing until the transport stands.
     pub uneven: Arc<UnevenLight>,
     /// What arrives at the patches besides what passes between them evenly, per luminaire: their direct light and what
@@ -87,7 +91,9 @@ impl ElementLight {
             for column in 0..columns {
                 let at = i * columns + column;
                 let (own, carried) = (means.values[at], carried.values[at]);
-                let value = carried + share * (own - carried);
+                // What no patch sends out is carried by none.
+                let is_sent = !system.is_outdoors(column) && system.photometric_area(column) <= 0.0;
+                let value = if is_sent { carried + share * (own - carried) } else { own };
                 values.push(value);
                 sent[column] += system.areas[i] * row_sum * system.exitance(i, column);
                 arriving[column] += system.areas[i] * f64::from(value);
@@ -97,7 +103,7 @@ impl ElementLight {
         let is_sealed = escaping <= SEALED * system.areas.iter().sum::<f64>();
         let scale = |(column, (&sent, &arriving)): (usize, (&f64, &f64))| {
             let area = system.photometric_area(column);
-            if arriving <= 0.0 {
+            if arriving <= 0.0 || system.is_outdoors(column) {
                 1.0
             } else if area <= 0.0 {
                 (sent / arriving) as f32
@@ -118,7 +124,8 @@ impl ElementLight {
         let mut watch = Watch::new(cancelled, &mut nobody);
         let uneven = UnevenLight::find(computer, transport, &self.elements, &exitance, &mut watch)?;
         let of_patches = Arc::new(LightBases { values, ..carried });
-        Self { of_patches, scaling, uneven: Arc::new(uneven), is_settled: true, ..self }
+        let arriving = arriving.iter().zip(&*scaling).map(|(sum, &scale)| sum * f64::from(scale)).collect();
+        Self { of_patches, scaling, arriving, uneven: Arc::new(uneven), is_settled: true, ..self }
             .with_reflectance(transport, system, cancelled)
     }
 
@@ -192,6 +199,8 @@ impl ElementLight {
             given: Arc::clone(&of_patches),
             of_patches,
             scaling: vec![1.0; system.columns()].into(),
+            arriving: vec![0.0; system.columns()].into(),
+            outdoors: (0..system.lamps as u32).filter(|&lamp| mesh.is_outdoors(lamp)).collect(),
             uneven: Arc::default(),
         }
     }
@@ -231,7 +240,15 @@ impl ElementLight {
             .map(|(whole, direct)| std::array::from_fn(|band| (whole[band] - direct[band]).max(0.0)))
             .collect();
         let given = self.given.sum(lighting, light.irradiance.len());
-        Detail { direct, interreflected, of_patches, given, outputs, reflectance: Arc::clone(reflectance) }
+        let bands = self.of_patches.bands.max(1);
+        let arriving = |lamp: u32| -> f64 {
+            let output = lighting.lamps.get(lamp as usize).map_or([0.0; 3], |lamp| lamp.output());
+            let at = |band: usize| lamp as usize * bands + band.min(bands - 1);
+            (0..3).map(|band| output[band] * self.arriving.get(at(band)).copied().unwrap_or(0.0)).sum()
+        };
+        let outdoors = self.outdoors.iter().map(|&lamp| arriving(lamp)).sum();
+        let reflectance = Arc::clone(reflectance);
+        Detail { direct, interreflected, of_patches, given, outputs, reflectance, outdoors }
     }
 
     /// `light` of these lamps with its detail; patches have these reflectances.

@@ -353,7 +353,7 @@ impl<'a> Run<'a> {
     }
 
     /// Direct light on elements; `None` where rows are computed by another method than the usual one, which is then
-    /// to be seen as it is unless lamps shine by their photometry, and where there are no lamps. `rows` are those that
+    /// to be seen as it is unless something shines that is no patch, and where there are no lamps. `rows` are those that
     /// there are so far: they tell how long the others will take.
     ///
     /// # Errors
@@ -364,8 +364,10 @@ impl<'a> Run<'a> {
         system: &System,
         rows: &[Option<Row>],
     ) -> Result<Option<ElementLight>, PipelineError> {
-        let by_rows =
-            prepared.computer.sampling().method != Method::Lines && prepared.mesh.photometric.is_empty();
+        let mesh = &prepared.mesh;
+        let by_rows = prepared.computer.sampling().method != Method::Lines
+            && mesh.photometric.is_empty()
+            && mesh.outdoors.is_none();
         if by_rows || system.lamps == 0 {
             return Ok(None);
         }

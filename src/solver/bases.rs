@@ -49,6 +49,8 @@ pub struct Detail {
     pub outputs: Vec<[f32; 3]>,
     /// Reflectance of each patch per band.
     pub reflectance: Arc<Vec<[f32; 3]>>,
+    /// What arrives from the sky and the sun, W over all bands.
+    pub outdoors: f64,
 }
 
 impl LightBases {
@@ -148,10 +150,12 @@ impl PatchLight {
     }
 
     /// The power of this light under `lighting`: with E = B - rho H the lamps emit the sum of A E and the surfaces
-    /// absorb that of A (1 - rho) H. Lamps that shine by their photometry emit their flux.
+    /// absorb that of A (1 - rho) H. Lamps that shine by their photometry emit their flux, the sky and the sun what of
+    /// them arrives.
     pub fn power(&self, mesh: &PatchMesh, reflectance: &[[f32; 3]], lighting: &Lighting) -> Power {
         let lit = self.irradiance.iter().zip(&self.radiosity).zip(reflectance);
-        let mut power = Power { emitted: photometric_power(mesh, lighting), absorbed: 0.0 };
+        let outdoors = self.detail.as_ref().map_or(0.0, |detail| detail.outdoors);
+        let mut power = Power { emitted: photometric_power(mesh, lighting) + outdoors, absorbed: 0.0 };
         for (patch, ((h, b), rho)) in mesh.patches.iter().zip(lit) {
             let is_photometric = patch.luminaire.is_some_and(|lamp| mesh.is_photometric(lamp));
             for band in 0..3 {

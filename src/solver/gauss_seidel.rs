@@ -182,14 +182,17 @@ impl GaussSeidel {
                 // What shines by photometry arrives at patches or leaves through openings.
                 let area = system.photometric_area(column);
                 report.emitted += output * copies * area;
-                if area > 0.0 {
+                if area > 0.0 || system.is_outdoors(column) {
                     let arrived: f64 = system
                         .areas
                         .iter()
                         .zip(&group.direct)
                         .map(|(area, direct)| area * direct[lane])
                         .sum();
-                    report.escaped += output * copies * (area - arrived).max(0.0);
+                    match system.is_outdoors(column) {
+                        true => report.emitted += output * copies * arrived,
+                        false => report.escaped += output * copies * (area - arrived).max(0.0),
+                    }
                 }
                 for i in 0..system.patches() {
                     let power = system.areas[i] * output * copies;

@@ -24,6 +24,8 @@ pub struct System {
     /// What each lamp sends out that is no exitance of its patches, W for a unit of its exitance: of those that shine
     /// by their photometry all, m². A lamp beyond the list has none.
     pub photometric: Vec<f64>,
+    /// Which lamps are the sky or the sun: what they send out is what arrives. A lamp beyond the list is neither.
+    pub outdoors: Vec<bool>,
     /// Irradiance of each patch straight from the lamps, at unit exitance, where it is known better than by
     /// gathering their emission.
     pub direct: Option<Arc<LightBases>>,
@@ -64,6 +66,7 @@ impl System {
                 }
                 areas
             },
+            outdoors: (0..lighting.lamps.len() as u32).map(|lamp| mesh.is_outdoors(lamp)).collect(),
             areas: mesh.patches.iter().map(|p| p.area).collect(),
             output,
             direct: None,
@@ -98,6 +101,11 @@ impl System {
     /// What the lamp of a column sends out by its photometry for a unit of its exitance, m².
     pub fn photometric_area(&self, column: usize) -> f64 {
         self.photometric.get(column / self.bands).copied().unwrap_or(0.0)
+    }
+
+    /// Whether the lamp of a column is the sky or the sun.
+    pub fn is_outdoors(&self, column: usize) -> bool {
+        self.outdoors.get(column / self.bands).copied().unwrap_or(false)
     }
 
     /// Reflectance of a patch in a column.

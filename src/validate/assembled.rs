@@ -99,6 +99,7 @@ impl Assembled {
             areas: self.patches().iter().map(|p| p.area).collect(),
             output: vec![1.0],
             photometric: Vec::new(),
+            outdoors: Vec::new(),
             direct: None,
         }
     }

@@ -1,0 +1,185 @@
+use super::{Emitter, HalfSpace, lambert};
+use crate::daylight::SkyBins;
+use crate::scene::Outdoors;
+use glam::DVec3;
+use std::f64::consts::{PI, TAU};
+use std::sync::Arc;
+
+/// A part of the sky, of the ground beyond a model, or the disc of the sun: so far away that it is seen in the same
+/// direction from everywhere in the scene.
+#[derive(Clone, Debug)]
+pub struct OutdoorEmitter {
+    outdoors: Arc<Outdoors>,
+    part: Part,
+    /// Corners of its outline, metres.
+    hull: Vec<DVec3>,
+    /// Unit vector to its middle.
+    middle: DVec3,
+    /// Where directions count from, metres.
+    centre: DVec3,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Part {
+    /// By its radiance in every direction; holds what one of 1 W/(m² sr) counts for a unit of the sky.
+    Sky(f64),
+    /// Evenly bright; holds what it counts for a unit of its lamp, times its form factor.
+    Even(f64),
+}
+
+/// How far away, over the size of the scene: from its edges parts of the sky are seen by a fiftieth of a degree too far
+/// to the side, at most.
+const FAR: f64 = 3000.0;
+/// Corners of the sun's disc.
+const SUN_CORNERS: usize = 12;
+/// The ground beyond a model in so many sectors, and the rows that they are cut into, degrees below the horizon.
+const SECTORS: usize = 12;
+const ROWS: [[f64; 2]; 2] = [[-30.0, 0.0], [-75.0, -30.0]];
+
+impl OutdoorEmitter {
+    /// The sky and the ground beyond a scene of some `size` about its `centre`, metres: 1 W/m² of their lamp lights an
+    /// unobstructed horizontal surface with as much.
+    pub fn sky(outdoors: &Arc<Outdoors>, centre: DVec3, size: f64) -> Vec<Self> {
+        let unit = outdoors.sky_exitance();
+        if !(unit > 0.0 && unit.is_finite()) {
+            return Vec::new();
+        }
+        let new = |corners: Vec<DVec3>, part: Part| Self::new(outdoors, corners, part, centre, FAR * size);
+        let mut parts = Vec::new();
+        if outdoors.daylight.sky().horizontal() > 0.0 {
+            let bins = SkyBins::tregenza();
+            let cap = bins.len() - 1;
+            for bin in 0..bins.len() {
+                let [low, high, from, to] = bins.edges(bin);
+                let corners = match bin == cap {
+                    // The corners of the row below it.
+                    true => (0..6).map(|k| [low, 60.0 * f64::from(k) - 30.0]).collect(),
+                    false => vec![[low, from], [low, to], [high, to], [high, from]],
+                };
+                parts.push(new(directions(&corners), Part::Sky(1.0)));
+            }
+            // Neighbours of different width do not quite meet: in all they send what the sky does.
+            let up = outdoors.compass.to_model(DVec3::Z);
+            let sent: f64 = parts.iter().map(|part| part.irradiance(up, &part.hull)).sum();
+            parts.iter_mut().for_each(|part| part.part = Part::Sky(1.0 / sent.max(f64::MIN_POSITIVE)));
+        }
+        let ground = PI * outdoors.daylight.ground_luminance() / crate::daylight::LUMINOUS_EFFICACY / unit;
+        if ground > 0.0 {
+            let width = 360.0 / SECTORS as f64;
+            for [low, high] in ROWS {
+                parts.extend((0..SECTORS).map(|k| {
+                    let (from, to) = (width * k as f64, width * (k + 1) as f64);
+                    let corners = [[low, from], [low, to], [high, to], [high, from]];
+                    new(directions(&corners), Part::Even(ground))
+                }));
+            }
+            let corners: Vec<[f64; 2]> = (0..SECTORS).map(|k| [ROWS[1][0], width * k as f64]).collect();
+            parts.push(new(directions(&corners), Part::Even(ground)));
+        }
+        parts
+    }
+
+    /// The sun's disc, where it shines: 1 W/m² of its lamp lights a surface that faces it with as much.
+    pub fn sun(outdoors: &Arc<Outdoors>, centre: DVec3, size: f64) -> Option<Self> {
+        if outdoors.sun_exitance() <= 0.0 {
+            return None;
+        }
+        let to_sun = outdoors.daylight.sun().direction();
+        let (across, along) = to_sun.any_orthonormal_pair();
+        let half = (0.5 * crate::daylight::SUN_DIAMETER).to_radians().tan();
+        let corners: Vec<DVec3> = (0..SUN_CORNERS)
+            .map(|k| {
+                let (sin, cos) = (TAU * k as f64 / SUN_CORNERS as f64).sin_cos();
+                (to_sun + half * (cos * across + sin * along)).normalize()
+            })
+            .collect();
+        let mut disc = Self::new(outdoors, corners, Part::Even(1.0), centre, FAR * size);
+        disc.part = Part::Even(1.0 / lambert(disc.middle, &disc.relative(centre)).max(f64::MIN_POSITIVE));
+        Some(disc)
+    }
+
+    /// Of corners as unit vectors of the sky, in turn about its middle.
+    fn new(outdoors: &Arc<Outdoors>, corners: Vec<DVec3>, part: Part, centre: DVec3, far: f64) -> Self {
+        let mut corners: Vec<DVec3> = corners.into_iter().map(|e| outdoors.compass.to_model(e)).collect();
+        let middle = corners.iter().sum::<DVec3>().normalize_or(DVec3::Y);
+        if corners[1].cross(corners[0]).dot(middle) < 0.0 {
+            corners.reverse();
+        }
+        let hull = corners.into_iter().map(|corner| centre + far * corner).collect();
+        Self { outdoors: Arc::clone(outdoors), part, hull, middle, centre }
+    }
+
+    /// Corners as seen from a point.
+    fn relative(&self, from: DVec3) -> Vec<DVec3> {
+        self.hull.iter().map(|corner| *corner - from).collect()
+    }
+}
+
+/// Unit vectors of the sky from elevations and azimuths, degrees.
+fn directions(corners: &[[f64; 2]]) -> Vec<DVec3> {
+    corners.iter().map(|&[elevation, azimuth]| crate::daylight::direction(elevation, azimuth)).collect()
+}
+
+impl Emitter for OutdoorEmitter {
+    fn hull(&self) -> &[DVec3] {
+        &self.hull
+    }
+
+    fn is_part(&self, _: u32) -> bool {
+        false
+    }
+
+    fn outline(&self, from: DVec3, corners: &mut Vec<DVec3>) -> Option<HalfSpace> {
+        corners.clear();
+        corners.extend(self.hull.iter().map(|corner| *corner - from));
+        // Everything in the scene is nearer.
+        let far = self.hull[0].distance(self.centre);
+        Some(HalfSpace { normal: -self.middle, offset: -far })
+    }
+
+    fn irradiance(&self, normal: DVec3, visible: &[DVec3]) -> f64 {
+        let per_radiance = match self.part {
+            Part::Even(factor) => return factor * lambert(normal, visible),
+            Part::Sky(factor) => factor * PI,
+        };
+        // Radiance at the middles of triangles about the middle of what is seen.
+        let middle = visible.iter().map(|corner| corner.normalize_or_zero()).sum::<DVec3>();
+        let mut sum = 0.0;
+        for (k, &p) in visible.iter().enumerate() {
+            let q = visible[if k + 1 == visible.len() { 0 } else { k + 1 }];
+            let triangle = [p.normalize_or_zero(), q.normalize_or_zero(), middle.normalize_or_zero()];
+            let share = lambert(normal, &triangle);
+            if share > 0.0 {
+                sum += share * self.outdoors.radiance(triangle.iter().sum());
+            }
+        }
+        per_radiance * sum
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::{SceneSource, load};
+
+    fn outdoors(sidecar: &str) -> Arc<Outdoors> {
+        let folder = tempfile::tempdir().expect("a folder");
+        let write = |name: &str, text: &str| {
+            std::fs::write(folder.path().join(name), text).expect("written");
+        };
+        write("plate.obj", "v 0 0 0\nv 1 0 0\nv 1 0 -1\nv 0 0 -1\nf 1 2 3 4\n");
+        write("plate.toml", sidecar);
+        let scene = load(&SceneSource::File(folder.path().join("plate.obj"))).expect("a scene");
+        Arc::new(scene.outdoors.expect("daylight"))
+    }
+
+    #[test]
+    fn a_surface_that_faces_the_sun_has_all_of_it_and_one_turned_away_the_cosine() {
+        let outdoors = outdoors("[daylight]\nsun = [35, 150]\nlux = [50000, 10000]\n");
+        let sun = OutdoorEmitter::sun(&outdoors, DVec3::ZERO, 10.0).expect("it shines");
+        let seen = sun.relative(DVec3::ZERO);
+        assert!((sun.irradiance(outdoors.to_sun(), &seen) - 1.0).abs() < 1e-9);
+        let up = sun.irradiance(DVec3::Y, &seen);
+        assert!((up - 35.0_f64.to_radians().sin()).abs() < 1e-5, "{up}");
+    }
+}

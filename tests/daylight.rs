@@ -1,0 +1,131 @@
+//! Light of sky and sun in models: CIE 171:2006, open surfaces, shadows of the sun.
+
+mod common;
+
+use glam::DVec3;
+use lumenwalk::scene::{SceneSource, load};
+use lumenwalk::solve::{self, Control, Solution, SolveSettings};
+use std::fmt::Write as _;
+use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
+
+const BLACK: &str = "newmtl black\nKd 0 0 0\nnewmtl grey\nKd 0.5 0.5 0.5\n";
+
+/// A model with z up and its light.
+fn solved(obj: &str, sidecar: &str, patches: usize) -> Solution {
+    let folder = tempfile::tempdir().expect("a folder");
+    let write = |name: &str, text: &str| std::fs::write(folder.path().join(name), text).expect("written");
+    write("model.obj", &format!("mtllib model.mtl\n{obj}"));
+    write("model.mtl", BLACK);
+    write("model.toml", &format!("up = \"z\"\n{sidecar}"));
+    let scene = load(&SceneSource::File(folder.path().join("model.obj"))).expect("a scene");
+    let settings =
+        SolveSettings { patches: lumenwalk::mesh::PatchTarget::Count(patches), ..SolveSettings::default() };
+    let never = AtomicBool::new(false);
+    solve::solve(Arc::new(scene), &settings, &never, &mut |_| Control::Continue).expect("solved")
+}
+
+/// Illuminance at points with normals, lux.
+fn lux(solution: &Solution, points: &[(DVec3, DVec3)]) -> Vec<f64> {
+    let light = solution.light(&solution.scene.lighting());
+    let found = solution.irradiance_at(points, &light);
+    found.into_iter().map(lumenwalk::scene::illuminance).collect()
+}
+
+/// A box open at a rectangle of one face, as quads around the hole: `x`, `y`, `z` spans of the room.
+struct Obj {
+    text: String,
+    vertices: usize,
+}
+
+impl Obj {
+    fn new() -> Self {
+        Self { text: String::new(), vertices: 0 }
+    }
+
+    fn quad(&mut self, material: &str, corners: [[f64; 3]; 4]) {
+        for [x, y, z] in corners {
+            writeln!(self.text, "v {x} {y} {z}").expect("a string");
+        }
+        let n = self.vertices;
+        writeln!(self.text, "usemtl {material}\nf {} {} {} {}", n + 1, n + 2, n + 3, n + 4)
+            .expect("a string");
+        self.vertices += 4;
+    }
+
+    /// A rectangle in a plane of constant `axis` with a hole: outer and inner spans of the two other axes.
+    fn pierced(
+        &mut self,
+        at: impl Fn(f64, f64) -> [f64; 3],
+        [u0, u1, v0, v1]: [f64; 4],
+        [a0, a1, b0, b1]: [f64; 4],
+    ) {
+        let mut piece = |p: [f64; 4]| {
+            if p[1] - p[0] > 1e-9 && p[3] - p[2] > 1e-9 {
+                self.quad("black", [at(p[0], p[2]), at(p[1], p[2]), at(p[1], p[3]), at(p[0], p[3])]);
+            }
+        };
+        piece([u0, u1, v0, b0]);
+        piece([u0, u1, b1, v1]);
+        piece([u0, a0, b0, b1]);
+        piece([a1, u1, b0, b1]);
+    }
+}
+
+/// The black room of CIE 171:2006, 4 x 4 x 3 m, with a square of an `edge` open in its ceiling, or a window of 2 x 1 m
+/// in its south wall.
+fn room(roof: Option<f64>) -> String {
+    let mut obj = Obj::new();
+    obj.quad("black", [[0.0, 0.0, 0.0], [4.0, 0.0, 0.0], [4.0, 4.0, 0.0], [0.0, 4.0, 0.0]]);
+    obj.quad("black", [[0.0, 4.0, 0.0], [4.0, 4.0, 0.0], [4.0, 4.0, 3.0], [0.0, 4.0, 3.0]]);
+    obj.quad("black", [[0.0, 0.0, 0.0], [0.0, 4.0, 0.0], [0.0, 4.0, 3.0], [0.0, 0.0, 3.0]]);
+    obj.quad("black", [[4.0, 0.0, 0.0], [4.0, 4.0, 0.0], [4.0, 4.0, 3.0], [4.0, 0.0, 3.0]]);
+    let whole = [0.0, 4.0, 0.0, 4.0];
+    match roof {
+        Some(edge) => {
+            let (low, high) = (2.0 - 0.5 * edge, 2.0 + 0.5 * edge);
+            obj.pierced(|x, y| [x, y, 3.0], whole, [low, high, low, high]);
+            obj.quad("black", [[0.0, 0.0, 0.0], [4.0, 0.0, 0.0], [4.0, 0.0, 3.0], [0.0, 0.0, 3.0]]);
+        }
+        None => {
+            obj.quad("black", [[0.0, 0.0, 3.0], [4.0, 0.0, 3.0], [4.0, 4.0, 3.0], [0.0, 4.0, 3.0]]);
+            obj.pierced(|x, z| [x, 0.0, z], [0.0, 4.0, 0.0, 3.0], [1.0, 3.0, 1.0, 2.0]);
+        }
+    }
+    obj.text
+}
+
+/// Points A to F down a wall at `y` that faces `normal`, then G to N across the floor.
+fn points(y: f64, normal: DVec3, floor: impl Fn(f64) -> f64) -> Vec<(DVec3, DVec3)> {
+    let wall = (0..6).map(|k| (DVec3::new(2.0, y, 2.75 - 0.5 * f64::from(k)), normal));
+    let along = (0..8).map(|k| (DVec3::new(2.0, floor(0.25 + 0.5 * f64::from(k)), 0.0), DVec3::Z));
+    wall.chain(along).collect()
+}
+
+#[track_caller]
+fn assert_near(case: &str, found: &[f64], exact: &[f64], worst: f64) {
+    for (k, (found, exact)) in found.iter().zip(exact).enumerate() {
+        let off = found / exact - 1.0;
+        assert!(off.abs() < worst, "{case}, point {k}: {found:.3} for {exact} ({:+.1} %)", 100.0 * off);
+    }
+}
+
+#[test]
+fn a_hole_in_the_roof_lights_a_black_room_as_cie_171_5_9_says() {
+    // Per cent of the horizontal illuminance of the sky, sun at 60 degrees without its own light; the wall faces the sun.
+    let type_1 =
+        [0.457, 1.644, 2.336, 2.261, 1.876, 1.465, 2.335, 3.110, 3.839, 4.294, 4.294, 3.839, 3.110, 2.335];
+    let type_12 =
+        [1.743, 3.757, 4.547, 4.609, 4.240, 3.633, 5.723, 6.005, 5.113, 3.968, 2.897, 2.035, 1.402, 0.965];
+    let type_16 =
+        [0.564, 1.783, 2.318, 2.198, 1.821, 1.427, 2.289, 3.074, 3.823, 4.294, 4.294, 3.823, 3.074, 2.289];
+    for (sky, exact) in [(1, type_1), (12, type_12), (16, type_16)] {
+        // The sun in the south: the wall opposite is that at y = 0, and it faces north.
+        let sidecar = format!("[daylight]\nsun = [60, 0]\nsky = \"{sky}\"\nlux = [0, 10000]\nground = 0\n");
+        let solution = solved(&room(Some(1.0)), &sidecar, 300);
+        let points = points(0.0, DVec3::Y, |y| y);
+        let found: Vec<f64> = lux(&solution, &points).into_iter().map(|lux| lux / 100.0).collect();
+        println!("{sky}: {found:.3?}");
+        assert_near(&format!("type {sky}"), &found, &exact, 0.03);
+    }
+}
