@@ -29,6 +29,7 @@ fn settings(light: &DirectLight) -> ElementSettings {
         exitance: vec![1.0; light.emitters().bases.len()],
         smooth: true,
         focus: None,
+        adapted: false,
     }
 }
 

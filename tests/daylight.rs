@@ -126,6 +126,108 @@ fn a_hole_in_the_roof_lights_a_black_room_as_cie_171_5_9_says() {
         let points = points(0.0, DVec3::Y, |y| y);
         let found: Vec<f64> = lux(&solution, &points).into_iter().map(|lux| lux / 100.0).collect();
         println!("{sky}: {found:.3?}");
-        assert_near(&format!("type {sky}"), &found, &exact, 0.03);
+        assert_near(&format!("type {sky}"), &found, &exact, if sky == 12 { 0.01 } else { 0.003 });
+    }
+}
+
+#[test]
+fn a_window_lights_a_black_room_as_cie_171_5_11_says() {
+    // Sun at 60 degrees in the south without its own light; the wall is the one opposite to the window, floor points run
+    // from it to the window. The ground has a luminance of 0.30 E / pi.
+    let type_1 =
+        [0.951, 1.063, 1.250, 1.508, 1.700, 1.856, 0.873, 1.308, 2.021, 3.198, 5.072, 7.637, 9.324, 5.089];
+    let type_12 =
+        [0.951, 1.063, 2.384, 4.931, 5.805, 5.012, 1.997, 2.795, 4.059, 6.126, 9.536, 14.557, 16.368, 5.026];
+    for (sky, exact) in [(1, type_1), (12, type_12)] {
+        let sidecar =
+            format!("[daylight]\nsun = [60, 180]\nsky = \"{sky}\"\nlux = [0, 10000]\nground = 0.3\n");
+        let solution = solved(&room(None), &sidecar, 300);
+        let points = points(4.0, DVec3::NEG_Y, |y| 4.0 - y);
+        let found: Vec<f64> = lux(&solution, &points).into_iter().map(|lux| lux / 100.0).collect();
+        println!("{sky}: {found:.3?}");
+        assert_near(&format!("type {sky}"), &found, &exact, 0.01);
+    }
+}
+
+/// A post of 2 m on a square of 20 m.
+fn sundial() -> String {
+    let mut obj = Obj::new();
+    obj.quad("grey", [[-10.0, -10.0, 0.0], [10.0, -10.0, 0.0], [10.0, 10.0, 0.0], [-10.0, 10.0, 0.0]]);
+    let (a, h) = (0.2, 2.0);
+    obj.quad("grey", [[-a, -a, h], [a, -a, h], [a, a, h], [-a, a, h]]);
+    for k in 0..4 {
+        let corner = |k: usize, z: f64| {
+            let [x, y] = [[-a, -a], [a, -a], [a, a], [-a, a]][k % 4];
+            [x, y, z]
+        };
+        obj.quad("grey", [corner(k, 0.0), corner(k + 1, 0.0), corner(k + 1, h), corner(k, h)]);
+    }
+    obj.text
+}
+
+#[test]
+fn the_sun_throws_a_shadow_of_its_own_width_and_lights_the_rest_by_its_cosine() {
+    // At 45 degrees in the south: the shadow of the post reaches 2 m to the north.
+    let sidecar = "[daylight]\nsun = [45, 180]\nsky = \"uniform\"\nlux = [80000, 0]\nground = 0\n";
+    let solution = solved(&sundial(), sidecar, 400);
+    let at = |y: f64| (DVec3::new(0.0, y, 0.0), DVec3::Z);
+    let open = 80_000.0 * 45.0_f64.to_radians().sin();
+    // The middle of its edge; half a degree is 25 mm wide there, seen along the ground.
+    let edge = 0.2 + 2.0;
+    let found = lux(&solution, &[at(-5.0), at(1.5), at(edge), at(edge - 0.02), at(edge + 0.02), at(8.0)]);
+    println!("{found:.0?}");
+    let passed_on = 0.03 * open;
+    for (k, exact) in [(0, open), (5, open)] {
+        assert!((found[k] - exact).abs() < passed_on, "{k}: {found:?}");
+    }
+    assert!((found[2] - 0.5 * open).abs() < passed_on + 0.02 * open, "{found:?}");
+    assert!(found[1] < passed_on && found[3] < passed_on && found[4] > open - 1.0, "{found:?}");
+}
+
+#[test]
+fn sky_and_sun_switch_like_lamps_and_the_north_of_the_model_turns_them() {
+    let with = |north: f64| {
+        let sidecar = format!(
+            "[daylight]\nsun = [30, 90]\nsky = \"clear\"\nlux = [50000, 10000]\nground = 0\nnorth = {north}\n"
+        );
+        solved(&sundial(), &sidecar, 400)
+    };
+    // The sun in the east, its shadow in the west; with the north turned to +x the sun stands in -y.
+    let points = [(DVec3::new(-1.5, 0.0, 0.0), DVec3::Z), (DVec3::new(0.0, 1.5, 0.0), DVec3::Z)];
+    let [plain, turned] = [0.0, 90.0].map(|north| lux(&with(north), &points));
+    assert!(plain[0] < 0.6 * plain[1] && turned[1] < 0.6 * turned[0], "{plain:?} {turned:?}");
+    let solution = with(0.0);
+    let names: Vec<&str> = solution.scene.luminaires.iter().map(|lamp| lamp.name.as_str()).collect();
+    assert_eq!(names, ["Sky", "Sun"]);
+    let mut lighting = solution.scene.lighting();
+    lighting.lamps[1].on = false;
+    let light = solution.light(&lighting);
+    let overcast = solution.irradiance_at(&points[1..], &light)[0];
+    let expected = 10_000.0 / lumenwalk::scene::LUMINOUS_EFFICACY;
+    assert!((overcast[1] / expected - 1.0).abs() < 0.05, "{overcast:?} for {expected}");
+    // What arrives from outside is what the surfaces take up and what leaves again.
+    let power = light.power(&solution.mesh, &solution.reflectance, &lighting);
+    assert!(power.emitted > power.absorbed && power.absorbed > 0.0, "{power:?}");
+}
+
+#[test]
+fn bad_daylight_is_refused_in_one_sentence() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path().join("model.obj");
+    std::fs::write(&path, sundial()).expect("written");
+    for (keys, told) in [
+        ("sky = \"clear\"", "needs latitude, longitude and zone"),
+        ("latitude = 52", "all three"),
+        ("latitude = 152\nlongitude = 13\nzone = 1", "152"),
+        ("sun = [30, 90]\nsky = \"green\"", "'green'"),
+        ("sun = [30, 90]\nsky = \"17\"", "17"),
+        ("latitude = 52\nlongitude = 13\nzone = 1\ndate = \"2026-02-30\"", "30"),
+        ("latitude = 52\nlongitude = 13\nzone = 1\ntime = \"25:00\"", "25"),
+        ("sun = [30, 90]\nground = 2", "ground"),
+        ("weather = \"missing.epw\"", "'missing.epw'"),
+    ] {
+        std::fs::write(folder.path().join("model.toml"), format!("[daylight]\n{keys}\n")).expect("written");
+        let error = load(&SceneSource::File(path.clone())).expect_err(keys).to_string();
+        assert!(error.contains(told) && error.contains("model.toml"), "{keys}: {error}");
     }
 }

@@ -91,6 +91,7 @@ mod tests {
                 exitance: exitance.clone(),
                 smooth: true,
                 focus,
+                adapted: false,
             };
             Watch::nobody(|watch| Elements::build(&mesh, &light, &settings, watch)).expect("nobody ends it")
         };

@@ -29,6 +29,9 @@ pub struct ElementSettings {
     pub smooth: bool,
     /// Who looks on: what they see counts for more than its area.
     pub focus: Option<Focus>,
+    /// Whether errors count against the geometric mean of the light instead of the plain one: beside the ground in the sun
+    /// a room would count for nothing.
+    pub adapted: bool,
 }
 
 /// A corner beside which something may stand is looked at so far inside of an element, of its size: on a line
@@ -36,6 +39,8 @@ pub struct ElementSettings {
 const INSET: f64 = 1e-3;
 /// Where there is less light than this part of the mean, errors count as if there were as much.
 const FAINT: f64 = 0.5;
+/// Light counts for the geometric mean as if it were at least this part of the plain one.
+const DIMMEST: f64 = 1e-3;
 /// A shadow that may be there counts this part of one that is.
 const POSSIBLE: f64 = 0.05;
 /// A difference that shows that a shadow was found.
@@ -218,6 +223,15 @@ impl Refinement<'_> {
             }
         }
         self.mean = sum / self.area.max(f64::MIN_POSITIVE);
+        if self.settings.adapted && self.mean > 0.0 {
+            let mut logarithms = 0.0;
+            for element in self.elements.leaves() {
+                let corners = element.corners.iter();
+                let light = corners.map(|&c| self.elements.watts_at(c, &self.settings.exitance)).sum::<f64>();
+                logarithms += self.elements.area(element) * (light / 3.0).max(DIMMEST * self.mean).ln();
+            }
+            self.mean = (logarithms / self.area.max(f64::MIN_POSITIVE)).exp();
+        }
     }
 
     /// Looks at the middles of the edges of some leaves.

@@ -1,5 +1,4 @@
 use super::{Emitter, HalfSpace, lambert};
-use crate::daylight::SkyBins;
 use crate::scene::Outdoors;
 use glam::DVec3;
 use std::f64::consts::{PI, TAU};
@@ -30,6 +29,9 @@ enum Part {
 /// How far away, over the size of the scene: from its edges parts of the sky are seen by a fiftieth of a degree too far
 /// to the side, at most.
 const FAR: f64 = 3000.0;
+/// Parts of the rows of the sky from the horizon up, and how high a row is, degrees.
+const SKY_ROWS: [usize; 7] = [24, 24, 24, 24, 12, 12, 6];
+const HEIGHT: f64 = 12.0;
 /// Corners of the sun's disc.
 const SUN_CORNERS: usize = 12;
 /// The ground beyond a model in so many sectors, and the rows that they are cut into, degrees below the horizon.
@@ -47,18 +49,10 @@ impl OutdoorEmitter {
         let new = |corners: Vec<DVec3>, part: Part| Self::new(outdoors, corners, part, centre, FAR * size);
         let mut parts = Vec::new();
         if outdoors.daylight.sky().horizontal() > 0.0 {
-            let bins = SkyBins::tregenza();
-            let cap = bins.len() - 1;
-            for bin in 0..bins.len() {
-                let [low, high, from, to] = bins.edges(bin);
-                let corners = match bin == cap {
-                    // The corners of the row below it.
-                    true => (0..6).map(|k| [low, 60.0 * f64::from(k) - 30.0]).collect(),
-                    false => vec![[low, from], [low, to], [high, to], [high, from]],
-                };
+            for corners in sky_parts() {
                 parts.push(new(directions(&corners), Part::Sky(1.0)));
             }
-            // Neighbours of different width do not quite meet: in all they send what the sky does.
+            // In all they send what the sky does.
             let up = outdoors.compass.to_model(DVec3::Z);
             let sent: f64 = parts.iter().map(|part| part.irradiance(up, &part.hull)).sum();
             parts.iter_mut().for_each(|part| part.part = Part::Sky(1.0 / sent.max(f64::MIN_POSITIVE)));
@@ -113,6 +107,27 @@ impl OutdoorEmitter {
     fn relative(&self, from: DVec3) -> Vec<DVec3> {
         self.hull.iter().map(|corner| *corner - from).collect()
     }
+}
+
+/// Elevations and azimuths of the corners of parts that make up the sky: rows of equal height and a cap. The arcs of
+/// great circles between neighbours are the same from both sides, so that they meet without gaps.
+fn sky_parts() -> Vec<Vec<[f64; 2]>> {
+    let low = |row: usize| HEIGHT * row as f64;
+    let around = |count: usize, k: usize| 360.0 * k as f64 / count as f64;
+    let mut parts = Vec::new();
+    for (row, &count) in SKY_ROWS.iter().enumerate() {
+        // Below lie as many or more, whose corners are its own as well.
+        let below = SKY_ROWS[row.saturating_sub(1)];
+        for k in 0..count {
+            let (from, to) = (k * below / count, (k + 1) * below / count);
+            let mut corners: Vec<[f64; 2]> = (from..=to).map(|k| [low(row), around(below, k)]).collect();
+            corners.extend([[low(row + 1), around(count, k + 1)], [low(row + 1), around(count, k)]]);
+            parts.push(corners);
+        }
+    }
+    let last = SKY_ROWS[SKY_ROWS.len() - 1];
+    parts.push((0..last).map(|k| [low(SKY_ROWS.len()), around(last, k)]).collect());
+    parts
 }
 
 /// Unit vectors of the sky from elevations and azimuths, degrees.

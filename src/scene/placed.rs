@@ -205,7 +205,7 @@ impl Scene {
 
     /// Luminaires that the model itself has: those before the placed ones.
     pub fn own_luminaires(&self) -> usize {
-        self.luminaires.len() - self.placed.len()
+        self.luminaires.len() - self.placed.len() - if self.outdoors.is_some() { 2 } else { 0 }
     }
 
     /// Materials that the model itself has: all but that of placed lamps, the last one.

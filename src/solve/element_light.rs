@@ -58,6 +58,7 @@ impl ElementLight {
             exitance: exitances(scene, &bases),
             smooth: plan.is_on(Effect::SmoothSurfaces),
             focus,
+            adapted: mesh.outdoors.is_some(),
         };
         let elements = Elements::build(mesh, &light, &settings, watch)?;
         Ok(Self::new(target, elements, light, mesh, system))
