@@ -79,7 +79,8 @@ fn pictures_are_written_in_both_layouts() {
     assert_eq!(picture.dimensions(), (80, 60));
     // The sun stands in the south, below the middle of the disc.
     let value = |x, y| picture.get_pixel(x, y).0[0];
-    assert!(value(40, 47) > 250 && value(40, 13) < 230 && value(0, 0) == 0, "{}", value(40, 13));
+    let (sun, north) = (value(41, 47), value(40, 13));
+    assert!(sun > 250 && (60..220).contains(&north) && value(0, 0) == 0, "{sun}, {north}");
     sky(&place, &["--image", "sky.exr", "--projection", "latlong", "--size", "64x32"]);
     assert!(std::fs::metadata(place.path("sky.exr")).unwrap().len() > 1000);
     let failed = |more: &[&str]| place.fail(1, &[&["sky"], &BERLIN[..], more].concat());

@@ -2,11 +2,14 @@
 
 use super::failure::Failure;
 use crate::daylight::{Daylight, LUMINOUS_EFFICACY, Projection};
-use crate::display::{ToneMap, meter, srgb_encode};
+use crate::display::{Exposure, ToneMap, meter, srgb_encode};
 use crate::export::{StillLayers, write_exr, write_png};
 use crate::outputs::StillKind;
 use std::f32::consts::PI;
 use std::path::Path;
+
+/// Directions across and down with which a picture is metered.
+const METER_GRID: u32 = 96;
 
 /// Writes the sky with its sun, in white light: exposed for the sky and tone-mapped, or as radiance.
 ///
@@ -19,12 +22,13 @@ pub(super) fn write(
     projection: Projection,
     size: [u32; 2],
 ) -> Result<(), Failure> {
-    let luminances = daylight.picture(projection, size);
-    let radiance: Vec<[f32; 3]> =
-        luminances.iter().map(|&luminance| [luminance / LUMINOUS_EFFICACY as f32; 3]).collect();
+    let white = |luminance: f32| [luminance / LUMINOUS_EFFICACY as f32; 3];
+    let radiance: Vec<[f32; 3]> = daylight.picture(projection, size).into_iter().map(white).collect();
     let [width, height] = size;
     match kind {
-        StillKind::Png => write_png(path, width, height, &tone_mapped(&luminances, &radiance))?,
+        StillKind::Png => {
+            write_png(path, width, height, &tone_mapped(&radiance, metered(daylight, projection)))?
+        }
         StillKind::Exr => {
             // There is no surface anywhere.
             let nothing = vec![[0.0; 3]; radiance.len()];
@@ -43,10 +47,20 @@ pub(super) fn write(
     Ok(())
 }
 
-fn tone_mapped(luminances: &[f32], radiance: &[[f32; 3]]) -> Vec<u8> {
-    let exposure = meter(luminances.iter().map(|&luminance| (f64::from(luminance), 1.0)));
+/// The exposure that suits sky and ground; the sun's disc may dazzle.
+fn metered(daylight: &Daylight, projection: Projection) -> Exposure {
+    let grid = [METER_GRID; 2];
+    let places = (0..METER_GRID * METER_GRID).map(|cell| (cell % METER_GRID, cell / METER_GRID));
+    let seen = places.filter_map(|(x, y)| {
+        let e = projection.direction(f64::from(x) + 0.5, f64::from(y) + 0.5, grid)?;
+        Some((daylight.luminance(e), 1.0))
+    });
+    meter(seen).unwrap_or_default()
+}
+
+fn tone_mapped(radiance: &[[f32; 3]], exposure: Exposure) -> Vec<u8> {
     // Pi, since exposures are for radiosities.
-    let factor = exposure.unwrap_or_default().factor() * PI;
+    let factor = exposure.factor() * PI;
     let code = |linear: f32| (255.0 * srgb_encode(linear)).round() as u8;
     radiance
         .iter()
