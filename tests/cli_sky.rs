@@ -124,8 +124,12 @@ fn what_cannot_be_is_wrong_usage() {
     }
 }
 
-const WEATHER: &str = "LOCATION,Quito,-,ECU,Made,840710,-0.15,-78.48,-5.0,2812\nDATA PERIODS,1,1,Data,Sunday,1/1,12/31\n\
-    1999,3,21,12,60,?,20,9.5,50,72000,0,1415,300,900,700,220\n1999,3,21,13,60,?,20,9.5,50,72000,0,1415,300,1000,9999,220\n";
+const WEATHER: &str = "\
+LOCATION,Quito,-,ECU,Made,840710,-0.15,-78.48,-5.0,2812
+DATA PERIODS,1,1,Data,Sunday,1/1,12/31
+1999,3,21,12,60,?,20,9.5,50,72000,0,1415,300,900,700,220
+1999,3,21,13,60,?,20,9.5,50,72000,0,1415,300,1000,9999,220
+";
 
 #[test]
 fn a_weather_file_is_checked_and_gives_the_sky_of_an_hour() {

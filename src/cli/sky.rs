@@ -82,14 +82,15 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
         atomic::probe(path)?;
     }
     let found = find(arguments)?;
-    text::print(&describe(&found))?;
+    let mut told = describe(&found);
+    // Written before anything is said, so that a reader who goes away does not cost the picture.
     if let (Some(path), Some(kind)) = (&arguments.image, kind) {
         let projection = arguments.projection.unwrap_or_default();
         let size = arguments.size.unwrap_or_else(|| projection.usual_size());
         sky_picture::write(path, kind, &found.daylight, projection, size)?;
-        text::print(&format!("picture     {}\n", path.display()))?;
+        told += &format!("picture     {}\n", path.display());
     }
-    Ok(())
+    text::print(&told)
 }
 
 fn find(arguments: &Arguments) -> Result<Found, Failure> {
@@ -214,7 +215,12 @@ fn illuminances(daylight: &Daylight) -> String {
 
 /// Whole numbers with separators, or three digits of small ones.
 fn amount(value: f64) -> String {
-    if value >= 1000.0 { text::thousands(value.round() as usize) } else { text::significant(value) }
+    if value >= 1000.0 {
+        text::thousands(value.round() as usize)
+    } else {
+        // Less than starlight is a rounding error.
+        text::significant(if value < 1e-6 { 0.0 } else { value })
+    }
 }
 
 fn projections() -> impl TypedValueParser<Value = Projection> {
@@ -307,8 +313,9 @@ mod tests {
             "21 June 2026, 12:00",
             "elevation 30.00, azimuth 180.00 degrees\n",
             "zenith      3,183 cd/m²",
-            "50,000 lux normal to the sun, disc 7.356e8 cd/m²",
+            "50,000 lux normal to the sun, disc 7.357e8 cd/m²",
             "horizontal     10,000     25,000          0     35,000",
+            "east            5,000          0      3,500      8,500",
             "south           5,000     43,301      3,500     51,801",
             "note: made up",
         ] {

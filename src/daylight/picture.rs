@@ -3,6 +3,7 @@
 use super::outdoors::Daylight;
 use super::sun::{SUN_DIAMETER, direction};
 use glam::DVec3;
+use rayon::prelude::*;
 
 /// Degrees between samples of a pixel that the sun's disc may touch.
 const AT_SUN: f64 = 0.03;
@@ -96,6 +97,7 @@ impl Daylight {
             }
             (sum * step * step) as f32
         };
-        (0..height).flat_map(|y| (0..width).map(move |x| (x, y))).map(|(x, y)| pixel(x, y)).collect()
+        let pixel = &pixel;
+        (0..height).into_par_iter().flat_map_iter(|y| (0..width).map(move |x| pixel(x, y))).collect()
     }
 }
