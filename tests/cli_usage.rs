@@ -10,7 +10,7 @@ use std::process::Stdio;
 fn help_names_every_command_and_option() {
     let place = Workplace::with_room(0.5);
     let help = place.succeed(&["--help"]);
-    for word in ["SCENE", "solve", "scenes", "check", "plan", "validate", "Exit codes"] {
+    for word in ["SCENE", "solve", "scenes", "check", "plan", "sky", "validate", "Exit codes"] {
         assert!(help.contains(word), "{word} is missing:\n{help}");
     }
     let options = [

@@ -3,7 +3,7 @@ use super::lamps::LampOptions;
 use super::options::FrameOptions;
 use super::photometry;
 use super::report::severity_name;
-use super::text;
+use super::{text, weather};
 use crate::mesh::{self, MeshSettings};
 use crate::outputs::save_repaired;
 use crate::scene::{self, Crossing, Finding, Scene, Severity, Summary};
@@ -13,12 +13,12 @@ use std::path::{Path, PathBuf};
 /// Models of more surfaces take long to be cut into patches.
 const MOST_SURFACES: usize = 40_000;
 
-/// Tell what a file holds and what is wrong with it: a model, or a photometric file of a luminaire (IES, EULUMDAT)
+/// Tell what a file holds and what is wrong with it: a model, a photometric file of a luminaire (IES, EULUMDAT), or a weather file (EPW)
 ///
 /// Exits with 1 where a part of the model had to be left out.
 #[derive(Args, Debug)]
 pub(super) struct Arguments {
-    /// An OBJ file, builtin:NAME, or an .ies or .ldt file
+    /// An OBJ file, builtin:NAME, or an .ies, .ldt or .epw file
     #[arg(value_name = "FILE")]
     scene: String,
     #[command(flatten)]
@@ -33,6 +33,9 @@ pub(super) struct Arguments {
 pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
     if photometry::is_photometric(&arguments.scene) {
         return text::print(&photometry::check(&arguments.scene)?);
+    }
+    if weather::is_weather(&arguments.scene) {
+        return text::print(&weather::check(&arguments.scene)?);
     }
     let scene = scene::load(&arguments.frame.source(&arguments.scene)?)?;
     let scene = arguments.lamps.add_to(scene)?;

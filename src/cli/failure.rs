@@ -1,4 +1,5 @@
 use super::text;
+use crate::daylight::{DaylightError, WeatherError};
 use crate::export::{ExportError, PointsError};
 use crate::mesh::MeshError;
 use crate::outputs::RepairError;
@@ -53,6 +54,18 @@ impl From<SceneError> for Failure {
 
 impl From<PointsError> for Failure {
     fn from(error: PointsError) -> Self {
+        Self::Input(error.into())
+    }
+}
+
+impl From<DaylightError> for Failure {
+    fn from(error: DaylightError) -> Self {
+        Self::Input(error.into())
+    }
+}
+
+impl From<WeatherError> for Failure {
+    fn from(error: WeatherError) -> Self {
         Self::Input(error.into())
     }
 }

@@ -17,10 +17,13 @@ mod points;
 mod progress;
 mod report;
 mod scenes;
+mod sky;
+mod sky_picture;
 mod solve;
 mod text;
 mod tour;
 mod validate;
+mod weather;
 mod window;
 mod written;
 
@@ -48,6 +51,7 @@ enum Command {
     Scenes(scenes::Arguments),
     Check(check::Arguments),
     Plan(plan::Arguments),
+    Sky(sky::Arguments),
     Validate(validate::Arguments),
 }
 
@@ -69,6 +73,7 @@ pub fn run() -> ExitCode {
         Some(Command::Scenes(arguments)) => scenes::run(arguments),
         Some(Command::Check(arguments)) => check::run(arguments),
         Some(Command::Plan(arguments)) => plan::run(arguments),
+        Some(Command::Sky(arguments)) => sky::run(arguments),
         Some(Command::Validate(arguments)) => validate::run(arguments),
     };
     match result {

@@ -228,7 +228,8 @@ pub(super) fn dimming(text: &str) -> Result<(String, f64), String> {
     }
 }
 
-fn finite(text: &str) -> Result<f64, String> {
+/// A finite number.
+pub(super) fn finite(text: &str) -> Result<f64, String> {
     let value = text.trim().parse::<f64>().ok().filter(|value| value.is_finite());
     value.ok_or_else(|| format!("{:?} is not a number", text.trim()))
 }

@@ -40,19 +40,20 @@ pub(super) fn irradiance(normal: DVec3, sun: DVec3, luminance: impl Fn(DVec3) ->
             let Some((start, end)) = visible_arc(level * sin, normal.z * cos, axis) else { continue };
             // The cusp is the sharper, the nearer the ring passes to the sun.
             let shortest = ((zenith - sun_zenith).abs() / sin.max(1e-3)).clamp(SHORTEST, LONGEST);
-            let mut azimuths =
-                vec![Break { at: start, shortest: LONGEST }, Break { at: end, shortest: LONGEST }];
+            // A full circle begins at the cusp; an arc may end beside it.
+            let (start, end) =
+                if end - start > TAU - 1e-9 { (sun_azimuth, sun_azimuth + TAU) } else { (start, end) };
+            let beside = |edge: f64| {
+                let apart = (edge - sun_azimuth + PI).rem_euclid(TAU) - PI;
+                Break { at: edge, shortest: apart.abs().clamp(shortest, LONGEST) }
+            };
+            let mut azimuths = vec![beside(start), beside(end)];
             let cusp = start + (sun_azimuth - start).rem_euclid(TAU);
             if cusp < end {
                 azimuths.push(Break { at: cusp, shortest });
             }
-            // A full circle may begin beside the cusp.
-            if end - start > TAU - 1e-9 {
-                azimuths.push(Break { at: cusp - TAU, shortest });
-                azimuths.push(Break { at: cusp + TAU, shortest });
-            }
             let mut ring = 0.0;
-            for (a, b) in panels(&mut azimuths).into_iter().filter(|&(a, b)| a >= start && b <= end) {
+            for (a, b) in panels(&mut azimuths) {
                 for &(u, w) in &rule {
                     let (y, x) = (a + (b - a) * u).sin_cos();
                     let e = DVec3::new(sin * x, sin * y, cos);

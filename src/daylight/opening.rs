@@ -4,14 +4,17 @@ use super::outdoors::Daylight;
 use crate::geometry::gauss_legendre;
 use glam::DVec3;
 
-/// Points of the rule along either side of a triangle.
-const POINTS: usize = 5;
+/// Points of the rule along either side of a triangle: few where little is asked for.
+const POINTS: [usize; 2] = [3, 5];
+/// From this tolerance on few points do.
+const COARSE: f64 = 1e-6;
 /// Longer sides of triangles are halved in any case, as chords of the unit sphere: 60 degrees.
 const LONGEST: f64 = 1.0;
 /// Triangles are halved at most so often.
 const DEEPEST: u32 = 24;
-/// A triangle is done where its two estimates differ by this share of the whole.
-const TOLERANCE: f64 = 1e-10;
+/// Errors add up from many triangles: each is done where its two estimates differ by this share of what is
+/// tolerated.
+const PART: f64 = 0.03;
 
 impl Daylight {
     /// Illuminance in lux at a point with the unit `normal` from the sky and the ground that it sees within a
@@ -22,11 +25,13 @@ impl Daylight {
     /// passes from a unit direction, 1 for an open hole. Parts of the polygon behind the surface count for
     /// nothing. 0 for fewer than three corners, or for one without a direction.
     ///
-    /// Adaptive cubature on spherical triangles; the relative error is about 1e-8 where `passed` is smooth.
+    /// Adaptive cubature on spherical triangles. `tolerance` is the relative error aimed at, 1e-9 to 0.1; what
+    /// comes out is mostly nearer to the truth where `passed` is smooth.
     pub fn illuminance_through(
         &self,
         corners: &[DVec3],
         normal: DVec3,
+        tolerance: f64,
         passed: impl Fn(DVec3) -> f64,
     ) -> f64 {
         let units: Vec<DVec3> = corners.iter().map(|corner| corner.normalize_or_zero()).collect();
@@ -36,7 +41,7 @@ impl Daylight {
         let seen = above(&units, normal);
         let sky = above(&seen, DVec3::Z);
         let ground = above(&seen, DVec3::NEG_Z);
-        let cubature = Cubature::new();
+        let cubature = Cubature::new(tolerance);
         let of_sky = cubature
             .over(&sky, &|e| self.sky().luminance(e.with_z(e.z.max(0.0))) * normal.dot(e) * passed(e));
         let of_ground = cubature.over(&ground, &|e| normal.dot(e) * passed(e));
@@ -69,16 +74,18 @@ fn above(polygon: &[DVec3], normal: DVec3) -> Vec<DVec3> {
 struct Cubature {
     /// Barycentric coordinates of two corners, and weights that add up to 1/2.
     points: Vec<[f64; 3]>,
+    tolerance: f64,
 }
 
 impl Cubature {
     /// Gauss points of a square, one side of which is drawn together to a corner.
-    fn new() -> Self {
-        let rule = gauss_legendre(POINTS);
+    fn new(tolerance: f64) -> Self {
+        let tolerance = if tolerance.is_finite() { tolerance.clamp(1e-9, 0.1) } else { 1e-9 };
+        let rule = gauss_legendre(POINTS[usize::from(tolerance < COARSE)]);
         let points = rule
             .iter()
             .flat_map(|&(u, wu)| rule.iter().map(move |&(v, wv)| [u * (1.0 - v), u * v, wu * wv * u]));
-        Self { points: points.collect() }
+        Self { points: points.collect(), tolerance }
     }
 
     /// The integral over a spherical polygon; its sign is that of the way round.
@@ -87,7 +94,7 @@ impl Cubature {
         let fan: Vec<[DVec3; 3]> = rest.windows(2).map(|pair| [apex, pair[0], pair[1]]).collect();
         let firsts: Vec<f64> = fan.iter().map(|triangle| self.once(triangle, value)).collect();
         let whole: f64 = firsts.iter().map(|first| first.abs()).sum();
-        let most = TOLERANCE * whole;
+        let most = PART * self.tolerance * whole;
         fan.iter().zip(firsts).map(|(triangle, first)| self.refined(triangle, first, value, most, 0)).sum()
     }
 

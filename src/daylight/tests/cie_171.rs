@@ -33,7 +33,7 @@ fn through(
 ) -> f64 {
     let pane = Pane::new(WINDOW_GLASS, [0.96; 3]).unwrap();
     let passed = |e: DVec3| if glazed { pane.transmittance(e.dot(across).abs())[0] } else { 1.0 };
-    daylight.illuminance_through(&opening.map(|corner| corner - point), normal, passed)
+    daylight.illuminance_through(&opening.map(|corner| corner - point), normal, 1e-7, passed)
 }
 
 #[track_caller]

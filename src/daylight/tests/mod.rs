@@ -2,6 +2,7 @@
 
 mod cie_171;
 mod openings;
+mod picture;
 mod skies;
 mod sun;
 mod weather;

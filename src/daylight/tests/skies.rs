@@ -66,11 +66,14 @@ fn skies_of_the_cie_have_their_known_ratios() {
 
 #[test]
 fn the_sky_turns_with_the_sun() {
-    for azimuth in [0.0, 77.0, 179.99, 301.0] {
+    for azimuth in [0.0, 77.0, 179.99, 269.9, 270.1, 301.0] {
         let sky = Sky::new(Pattern::Cie(CieType::CLEAR), sun(30.0, azimuth), 1.0);
         near(sky.illuminance(direction(0.0, azimuth)), 1.234571, 6e-7, "towards the sun");
         near(sky.illuminance(direction(0.0, azimuth + 180.0)), 0.396611, 6e-7, "away from it");
         near(sky.illuminance(direction(0.0, azimuth + 90.0)), 0.559038, 6e-7, "across");
+        near(1.0 / sky.zenith(), 6.394_106, 6e-7, "zenith");
+        let first = Sky::new(Pattern::Cie(CieType::CLEAR), sun(30.0, 45.0), 1.0).zenith();
+        near(sky.zenith() / first, 1.0, 1e-9, "the zenith is the same whatever the azimuth");
     }
 }
 
@@ -101,14 +104,15 @@ fn tilted_surfaces_agree_with_plain_sums() {
     near(down.illuminance(DVec3::NEG_Z), 0.0, 1e-12, "facing down");
 }
 
-/// Sun, direct normal and diffuse horizontal; clearness, brightness; a to e; luminance over diffuse
-/// horizontal at the zenith, 10 degrees above the sun, at elevation 30 across and opposite, at elevation 10
-/// under the sun; vertical towards the sun over horizontal. For 1367 W/m² outside the atmosphere.
+/// Of every class. Sun, direct normal and diffuse horizontal; clearness, brightness; a to e; luminance over
+/// diffuse horizontal at the zenith, 10 degrees above the sun, at elevation 30 across and opposite, at
+/// elevation 10 under the sun; vertical towards the sun over horizontal. For 1367 W/m² outside the
+/// atmosphere.
 type PerezRow = ([f64; 3], [f64; 2], [f64; 5], [f64; 5], f64);
 
 #[expect(clippy::approx_constant, reason = "one of the luminances happens to be near a third of pi")]
 #[rustfmt::skip]
-const PEREZ_ROWS: [PerezRow; 5] = [
+const PEREZ_ROWS: [PerezRow; 9] = [
     ([40.0, 700.0, 150.0], [3.75837, 0.17036], [-0.95529, -0.33159, 13.03293, -3.44377, 0.26265],
         [0.18070, 1.04719, 0.20092, 0.17448, 0.94109], 1.01832),
     ([40.0, 200.0, 200.0], [1.59108, 0.22715], [-1.04869, -0.58851, 13.55232, -3.21686, 0.15185],
@@ -119,6 +123,14 @@ const PEREZ_ROWS: [PerezRow; 5] = [
         [0.26342, 0.95613, 0.20552, 0.16218, 0.53998], 0.76620),
     ([15.0, 20.0, 60.0], [1.09995, 0.16715], [-1.66240, -0.70022, 8.46432, -2.57287, 0.19438],
         [0.08868, 1.75162, 0.27816, 0.25656, 3.00459], 1.46159),
+    ([30.0, 5.0, 90.0], [1.02530, 0.13120], [0.85007, -0.61614, 0.45079, -0.38352, -0.03336],
+        [0.35504, 0.34658, 0.29814, 0.28023, 0.26307], 0.47037),
+    ([50.0, 90.0, 260.0], [1.25561, 0.24796], [-1.05091, -0.76043, 12.27322, -3.41848, 0.10373],
+        [0.23984, 0.95320, 0.20474, 0.17162, 0.46523], 0.76814),
+    ([45.0, 750.0, 110.0], [5.53235, 0.11361], [-0.97201, -0.21486, 15.04394, -3.91299, 0.60152],
+        [0.18676, 1.00331, 0.19225, 0.16745, 0.86509], 1.00131),
+    ([35.0, 350.0, 150.0], [2.21476, 0.19080], [-0.99594, -0.44138, 13.49898, -3.29137, 0.03877],
+        [0.16504, 1.16662, 0.20483, 0.17454, 1.13202], 1.09080),
 ];
 
 #[test]
@@ -149,8 +161,24 @@ fn all_weather_skies_have_their_known_coefficients_and_luminances() {
     }
 }
 
+/// Sun, direct normal and diffuse horizontal; lumens per watt of diffuse and direct light under 2 cm of
+/// water, for 1367 W/m² outside the atmosphere; classes 1 to 8.
+#[rustfmt::skip]
+const EFFICACIES: [([f64; 3], [f64; 2]); 8] = [
+    ([30.0, 5.0, 90.0], [120.41658, 55.36195]), ([25.0, 50.0, 120.0], [115.99782, 89.20263]),
+    ([50.0, 90.0, 260.0], [118.88355, 97.21624]), ([40.0, 200.0, 200.0], [125.20508, 95.63347]),
+    ([35.0, 350.0, 150.0], [138.86727, 94.35825]), ([40.0, 700.0, 150.0], [141.86766, 98.62571]),
+    ([45.0, 750.0, 110.0], [138.54805, 102.61262]), ([60.0, 900.0, 80.0], [135.23474, 103.63143]),
+];
+
 #[test]
 fn watts_become_lux_by_the_efficacies_of_perez() {
+    for (index, ([elevation, direct, diffuse], [of_sky, of_sun])) in EFFICACIES.into_iter().enumerate() {
+        let perez = PerezSky::new(sun(elevation, 180.0), direct, diffuse, SOLAR_CONSTANT).unwrap();
+        assert_eq!(perez.class, index + 1);
+        near(perez.diffuse_efficacy(2.0), of_sky, 6e-6, "diffuse");
+        near(perez.direct_efficacy(2.0), of_sun, 6e-6, "direct");
+    }
     let sun = sun(40.0, 180.0);
     // The extraterrestrial irradiance that makes the brightness 0.16459.
     let found = PerezSky::new(sun, 700.0, 150.0, SOLAR_CONSTANT * 0.170_36 / 0.164_59).unwrap();
