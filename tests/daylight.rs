@@ -4,7 +4,7 @@ mod common;
 
 use glam::DVec3;
 use lumenwalk::scene::{SceneSource, load};
-use lumenwalk::solve::{self, Control, Solution, SolveSettings};
+use lumenwalk::solve::{self, Control, DirectTarget, Solution, SolveSettings};
 use std::fmt::Write as _;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
@@ -19,8 +19,10 @@ fn solved(obj: &str, sidecar: &str, patches: usize) -> Solution {
     write("model.mtl", BLACK);
     write("model.toml", &format!("up = \"z\"\n{sidecar}"));
     let scene = load(&SceneSource::File(folder.path().join("model.obj"))).expect("a scene");
-    let settings =
-        SolveSettings { patches: lumenwalk::mesh::PatchTarget::Count(patches), ..SolveSettings::default() };
+    // Points are gathered anew, whatever the elements are.
+    let direct = DirectTarget { work: 100_000, ..DirectTarget::default() };
+    let patches = lumenwalk::mesh::PatchTarget::Count(patches);
+    let settings = SolveSettings { patches, direct, ..SolveSettings::default() };
     let never = AtomicBool::new(false);
     solve::solve(Arc::new(scene), &settings, &never, &mut |_| Control::Continue).expect("solved")
 }

@@ -39,8 +39,9 @@ pub struct ElementSettings {
 const INSET: f64 = 1e-3;
 /// Where there is less light than this part of the mean, errors count as if there were as much.
 const FAINT: f64 = 0.5;
-/// Light counts for the geometric mean as if it were at least this part of the plain one.
+/// Light counts for the geometric mean as if it were at least this part of the plain one, which it is held to as well.
 const DIMMEST: f64 = 1e-3;
+const LEAST_MEAN: f64 = 0.1;
 /// A shadow that may be there counts this part of one that is.
 const POSSIBLE: f64 = 0.05;
 /// A difference that shows that a shadow was found.
@@ -230,7 +231,8 @@ impl Refinement<'_> {
                 let light = corners.map(|&c| self.elements.watts_at(c, &self.settings.exitance)).sum::<f64>();
                 logarithms += self.elements.area(element) * (light / 3.0).max(DIMMEST * self.mean).ln();
             }
-            self.mean = (logarithms / self.area.max(f64::MIN_POSITIVE)).exp();
+            let geometric = (logarithms / self.area.max(f64::MIN_POSITIVE)).exp();
+            self.mean = geometric.max(LEAST_MEAN * self.mean);
         }
     }
 
