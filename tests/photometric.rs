@@ -302,7 +302,8 @@ fn glowing_faces_keep_their_look_and_light_as_a_bare_luminaire_in_their_place_do
 fn the_independent_witness_sees_the_same_lamps() {
     let scene = Site::new(ROOM, HANGING).scene();
     let solved = solved(&scene);
-    let asked = AuditSettings { receivers: 512, seconds: f64::INFINITY, ..AuditSettings::default() };
+    let asked =
+        AuditSettings { receivers: 192, precision: 0.5, seconds: f64::INFINITY, ..AuditSettings::default() };
     let found = study::audit(&solved, &scene.lighting(), &asked, &|| false).expect("lit").budget;
     let percent = |error: f64| 100.0 * error;
     println!("{:.2} %, patch averages {:.2} %", percent(found.total.error), percent(found.averages.error));

@@ -8,6 +8,7 @@ use crate::geometry::Frame;
 use crate::photometry::{self, Photometry};
 use glam::{DQuat, DVec3};
 use std::collections::HashMap;
+use std::path::PathBuf;
 use std::sync::Arc;
 
 /// The light of a lamp by its photometry.
@@ -167,7 +168,7 @@ impl PhotometricLight {
 /// The photometric files that a sidecar names; each is read once.
 pub(super) struct PhotometricFiles<'a> {
     files: Files<'a>,
-    known: HashMap<String, Arc<Photometry>>,
+    known: HashMap<String, (Arc<Photometry>, PathBuf)>,
 }
 
 impl<'a> PhotometricFiles<'a> {
@@ -177,7 +178,7 @@ impl<'a> PhotometricFiles<'a> {
 
     /// The photometry of a file beside the model, or why it cannot be had: the rest of a sentence on the lamp.
     pub(super) fn read(&mut self, name: &str) -> Result<Arc<Photometry>, String> {
-        if let Some(known) = self.known.get(name) {
+        if let Some((known, _)) = self.known.get(name) {
             return Ok(Arc::clone(known));
         }
         let shown = names::short(name);
@@ -188,14 +189,22 @@ impl<'a> PhotometricFiles<'a> {
         let read = photometry::read(&shown, &found.bytes)
             .map_err(|error| format!("has a photometric file that cannot be used: {error}"))?;
         let read = Arc::new(read);
-        self.known.insert(name.to_owned(), Arc::clone(&read));
+        self.known.insert(name.to_owned(), (Arc::clone(&read), found.path));
         Ok(read)
+    }
+
+    /// Where the files are that were read.
+    pub(super) fn paths(&self) -> Vec<PathBuf> {
+        let mut paths: Vec<PathBuf> = self.known.values().map(|(_, path)| path.clone()).collect();
+        paths.sort();
+        paths.dedup();
+        paths
     }
 
     /// What the files that were read say of themselves and what is doubtful about them, by name.
     pub(super) fn findings(&self) -> Vec<Finding> {
         let mut told: Vec<(&String, Severity, String)> = Vec::new();
-        for (name, photometry) in &self.known {
+        for (name, (photometry, _)) in &self.known {
             for doubt in photometry.summary().warnings {
                 let is_note = photometry.notes.contains(&doubt);
                 told.push((name, if is_note { Severity::Note } else { Severity::Warning }, doubt));
