@@ -28,6 +28,7 @@ fn settings(light: &DirectLight) -> ElementSettings {
         work: u64::MAX,
         exitance: vec![1.0; light.emitters().bases.len()],
         smooth: true,
+        focus: None,
     }
 }
 

@@ -146,7 +146,7 @@ fn a_globe_of_thousands_of_facets_lights_as_a_sphere_does() {
 
 fn elements_of(mesh: &PatchMesh, light: &DirectLight, error: f64, most: usize) -> Elements {
     let exitance = vec![1.0; light.emitters().bases.len()];
-    let settings = ElementSettings { error, most, work: u64::MAX, exitance, smooth: true };
+    let settings = ElementSettings { error, most, work: u64::MAX, exitance, smooth: true, focus: None };
     Watch::nobody(|watch| Elements::build(mesh, light, &settings, watch)).expect("not cancelled")
 }
 

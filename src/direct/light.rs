@@ -132,6 +132,11 @@ impl DirectLight {
         self.thickness
     }
 
+    /// Whether nothing stands between two points.
+    pub(super) fn is_open(&self, from: DVec3, to: DVec3) -> bool {
+        !self.obstacles.hides(from, to, 5.0 * self.thickness, |_| true)
+    }
+
     /// The squared irradiance, times its area in m², of the shadows that obstacles may throw on a triangle with a unit
     /// normal between the places where it was looked at: of those that are narrower than the triangle's edges, by how much
     /// of an emitter they can hide. `exitance` is that of each basis.

@@ -8,6 +8,7 @@
 mod clip;
 mod elements;
 mod first_views;
+mod focus;
 mod fan;
 mod light;
 mod obstacles;
@@ -16,5 +17,6 @@ mod shaft;
 
 pub use clip::Clipper;
 pub use elements::{Element, ElementCorner, Elements, NO_ELEMENT};
+pub use focus::Focus;
 pub use light::{DirectLight, Scratch, Views};
 pub use refine::ElementSettings;

@@ -2,6 +2,7 @@
 
 use super::elements::{Element, ElementCorner, Elements, NO_ELEMENT};
 use super::first_views::first_views;
+use super::focus::Focus;
 use super::light::{DirectLight, Scratch, Views};
 use crate::mesh::PatchMesh;
 use crate::watch::{Cancelled, Watch};
@@ -26,6 +27,8 @@ pub struct ElementSettings {
     pub exitance: Vec<f64>,
     /// Whether normals follow smooth surfaces.
     pub smooth: bool,
+    /// Who looks on: what they see counts for more than its area.
+    pub focus: Option<Focus>,
 }
 
 /// A corner beside which something may stand is looked at so far inside of an element, of its size: on a line
@@ -62,6 +65,8 @@ struct Refinement<'a> {
     /// Triangles of the mesh.
     whole: usize,
     errors: Vec<f64>,
+    /// Whether it lies open to the one who looks on; empty where there is nobody.
+    open: Vec<bool>,
     /// Corners in the middles of edges, by the corners at their ends; not all of them are in use.
     middles: HashMap<(u32, u32), u32>,
     /// Edges that have an element on one side alone.
@@ -103,7 +108,9 @@ impl Elements {
             None => Light::new(),
         })?;
         lights.iter().for_each(|light| elements.push_light(light));
+        let open = settings.focus.map(|focus| focus.open(&elements, light)).unwrap_or_default();
         let mut refinement = Refinement {
+            open,
             light,
             settings,
             errors: vec![0.0; elements.elements.len()],
@@ -324,16 +331,26 @@ impl Refinement<'_> {
         (differences.iter().map(|&(basis, difference)| watts(basis, difference).abs()).sum(), here)
     }
 
+    /// What the squared error of a leaf counts, for those who look on.
+    fn weight(&self, index: usize) -> f64 {
+        let Some(focus) = &self.settings.focus else { return 1.0 };
+        match self.open[index] {
+            true => focus.weight(&self.elements, &self.elements.elements[index], self.area),
+            false => 1.0 - Focus::OF_PIXELS,
+        }
+    }
+
     /// The leaves that make up most of the squared error; none once that is small enough.
     fn worst(&mut self) -> Vec<u32> {
         let elements = &self.elements.elements;
         let mut ranked: Vec<(f64, u32)> = (0..elements.len())
             .filter(|&index| elements[index].children == NO_ELEMENT && self.errors[index] > 0.0)
-            .map(|index| (self.errors[index], index as u32))
+            .map(|index| (self.errors[index] * self.weight(index), index as u32))
             .collect();
         ranked.sort_unstable_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
         let whole: f64 = ranked.iter().map(|entry| entry.0).sum();
-        self.elements.expected_error = whole.sqrt();
+        let by_area: f64 = ranked.iter().map(|entry| self.errors[entry.1 as usize]).sum();
+        self.elements.expected_error = by_area.sqrt();
         // Each division adds one; what neighbours need comes on top.
         let added = (elements.len() - self.whole) / 2;
         let room = self.settings.most.saturating_sub(added) / 3;
@@ -469,6 +486,9 @@ impl Refinement<'_> {
         for (views, seen_from) in narrowed {
             self.views.push(views);
             self.seen_from.push(seen_from);
+        }
+        if !self.open.is_empty() {
+            self.open.extend(parents.iter().map(|&parent| self.open[parent as usize]).collect::<Vec<_>>());
         }
         self.errors.resize(self.elements.elements.len(), 0.0);
         fresh

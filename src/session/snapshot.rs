@@ -25,6 +25,8 @@ pub struct Snapshot {
     pub fraction: f64,
     /// Estimate of the time left of the same, seconds.
     pub seconds_left: Option<f64>,
+    /// While light that has settled is made finer: how far that has come, 0 to 1.
+    pub refining: Option<f64>,
     /// Rows computed and rows in all.
     pub rows: (usize, usize),
     /// The present scene as far as it is solved; stays when opening another fails.

@@ -1,6 +1,6 @@
 //! What the user has asked of the worker.
 
-use super::worker::MaterialEdit;
+use super::handle::MaterialEdit;
 use crate::scene::{PlacedLamp, Scene, SceneSource};
 use crate::solve::SolveSettings;
 use std::sync::{Arc, Weak};

@@ -1,11 +1,11 @@
 use super::failure::Failure;
+use super::handle::{MaterialEdit, Shared, locked};
 use super::recompute::{Recompute, same_geometry};
 use super::snapshot::Snapshot;
-use super::threads;
-use super::wanted::{Edits, Wanted};
+use super::wanted::Wanted;
 use crate::form_factors::Row;
 use crate::mesh::LightSearch;
-use crate::scene::{PlacedLamp, Scene, SceneSource};
+use crate::scene::{Scene, SceneSource};
 use crate::solve::{
     self, Control, ElementLight, Prepared, Progress, Run, Solution, SolveSettings, Stage, Timings,
     patch_reflectance, system,
@@ -15,168 +15,9 @@ use crate::transport::Transport;
 use crate::watch::Cancelled;
 use rayon::ThreadPool;
 use std::panic::{AssertUnwindSafe, catch_unwind};
-use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
-use std::thread::JoinHandle;
+use std::sync::atomic::Ordering;
+use std::sync::{Arc, PoisonError};
 use std::time::{Duration, Instant};
-
-/// A changed reflectance, by index into the scene's materials.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct MaterialEdit {
-    /// Index into [`Scene::materials`].
-    pub material: u32,
-    /// New reflectance per band, 0 to `MAX_REFLECTANCE`; with a texture, its factor.
-    pub reflectance: [f64; 3],
-}
-
-struct Shared {
-    wanted: Mutex<Wanted>,
-    news_for_worker: Condvar,
-    /// Set with every request: ends what runs.
-    cancel: AtomicBool,
-    paused: AtomicBool,
-    /// The user ended the solve; cleared by the next request.
-    stopped: AtomicBool,
-    quit: AtomicBool,
-    latest: Mutex<Arc<Snapshot>>,
-}
-
-/// Neither lock is held while anything can panic, so a poisoned one still holds a whole value.
-fn locked<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
-    mutex.lock().unwrap_or_else(PoisonError::into_inner)
-}
-
-/// A handle to the worker thread. Dropping it stops and joins the thread.
-pub struct Session {
-    shared: Arc<Shared>,
-    thread: Option<JoinHandle<()>>,
-}
-
-impl Session {
-    /// Starts the thread, and threads of its own to compute with. `on_news` is called after each
-    /// published snapshot, from one of them.
-    ///
-    /// # Errors
-    /// The system gives no threads.
-    pub fn spawn(on_news: impl Fn() + Send + Sync + 'static) -> std::io::Result<Self> {
-        let shared = Arc::new(Shared {
-            wanted: Mutex::default(),
-            news_for_worker: Condvar::new(),
-            cancel: AtomicBool::new(false),
-            paused: AtomicBool::new(false),
-            stopped: AtomicBool::new(false),
-            quit: AtomicBool::new(false),
-            latest: Mutex::default(),
-        });
-        let pool = threads::solving().map_err(std::io::Error::other)?;
-        let thread = std::thread::Builder::new().name("radiosity worker".to_owned()).spawn({
-            let shared = shared.clone();
-            move || {
-                threads::stand_back();
-                let worker = Worker {
-                    shared,
-                    on_news: &on_news,
-                    snapshot: Snapshot::default(),
-                    state: State::default(),
-                    settled: None,
-                    refused: None,
-                    pool: &pool,
-                };
-                worker.run();
-            }
-        })?;
-        Ok(Self { shared, thread: Some(thread) })
-    }
-
-    /// The newest snapshot: one short lock and one clone of an `Arc`.
-    pub fn latest(&self) -> Arc<Snapshot> {
-        locked(&self.shared.latest).clone()
-    }
-
-    /// Opens a scene and solves it; replaces whatever runs. The present scene stays if it fails.
-    pub fn open(&self, source: SceneSource) {
-        self.request(|wanted| wanted.open(source));
-    }
-
-    /// The same with settings of its own. If it fails, those of the present scene stay in force.
-    pub fn open_with(&self, source: SceneSource, settings: SolveSettings) {
-        self.request(|wanted| wanted.open_with(source, settings));
-    }
-
-    /// Solves the present scene again with these settings, reusing what they leave unchanged.
-    pub fn set_settings(&self, settings: SolveSettings) {
-        self.request(|wanted| wanted.settings = settings);
-    }
-
-    /// The settings asked for last, which may not be in force yet; once some are refused, those in force.
-    pub fn settings(&self) -> SolveSettings {
-        locked(&self.shared.wanted).settings.clone()
-    }
-
-    /// Solves again over the stored rows with these reflectances of `scene`, all that differ from its own.
-    /// They hold for as long as that scene is the present one, and for no other.
-    pub fn set_materials(&self, scene: &Arc<Scene>, materials: Vec<MaterialEdit>) {
-        self.request(|wanted| wanted.edits = Edits::new(scene, materials));
-    }
-
-    /// Places these lamps in the scene as it was `read`, instead of those that its file places, and solves it.
-    /// They hold for as long as that reading is the present one.
-    pub fn set_lamps(&self, read: &Arc<Scene>, lamps: Vec<PlacedLamp>) {
-        self.request(|wanted| wanted.lamps = Some((Arc::downgrade(read), lamps)));
-    }
-
-    /// Lets the solve rest where it is.
-    pub fn pause(&self) {
-        self.shared.paused.store(true, Ordering::Release);
-        self.wake();
-    }
-
-    /// Goes on from there; after [`Self::stop`] it starts again, and in a scene without lamps it starts after all.
-    pub fn resume(&self) {
-        self.shared.paused.store(false, Ordering::Release);
-        if self.latest().stage == Stage::Unlit {
-            self.request(|wanted| wanted.unlit = true);
-        } else if self.shared.stopped.load(Ordering::Acquire) {
-            self.request(|_| {});
-        } else {
-            self.wake();
-        }
-    }
-
-    /// Ends the solve, and its rest; the picture so far stays.
-    pub fn stop(&self) {
-        let _held = locked(&self.shared.wanted);
-        self.shared.paused.store(false, Ordering::Release);
-        self.shared.stopped.store(true, Ordering::Release);
-        self.shared.cancel.store(true, Ordering::Release);
-        self.shared.news_for_worker.notify_all();
-    }
-
-    fn request(&self, change: impl FnOnce(&mut Wanted)) {
-        let mut wanted = locked(&self.shared.wanted);
-        change(&mut wanted);
-        wanted.generation += 1;
-        self.shared.stopped.store(false, Ordering::Release);
-        self.shared.cancel.store(true, Ordering::Release);
-        self.shared.news_for_worker.notify_all();
-    }
-
-    fn wake(&self) {
-        let _held = locked(&self.shared.wanted);
-        self.shared.news_for_worker.notify_all();
-    }
-}
-
-impl Drop for Session {
-    fn drop(&mut self) {
-        self.shared.quit.store(true, Ordering::Release);
-        self.shared.cancel.store(true, Ordering::Release);
-        self.wake();
-        if let Some(thread) = self.thread.take() {
-            thread.join().ok();
-        }
-    }
-}
 
 /// What the worker has done so far, and what is in force.
 #[derive(Default)]
@@ -196,28 +37,48 @@ pub(super) struct State {
     pub(super) bases: Option<Arc<LightBases>>,
 }
 
-struct Worker<'a> {
-    shared: Arc<Shared>,
+pub(super) struct Worker<'a> {
+    pub(super) shared: Arc<Shared>,
     on_news: &'a (dyn Fn() + Send + Sync),
-    snapshot: Snapshot,
-    state: State,
+    pub(super) snapshot: Snapshot,
+    pub(super) state: State,
     /// How the solve of the present scene ended, where it has: converged or stopped.
-    settled: Option<Stage>,
+    pub(super) settled: Option<Stage>,
     /// Why a part of the present request was refused, while the present scene goes on.
     refused: Option<String>,
     /// Apart from the threads that the window draws with: a frame must not queue behind a row.
-    pool: &'a ThreadPool,
+    pub(super) pool: &'a ThreadPool,
+    /// What was refined last at leisure was broken off, and is not begun again before the next request.
+    pub(super) broken_off: bool,
+}
+
+impl<'a> Worker<'a> {
+    pub(super) fn new(
+        shared: Arc<Shared>,
+        on_news: &'a (dyn Fn() + Send + Sync),
+        pool: &'a ThreadPool,
+    ) -> Self {
+        let (snapshot, state) = (Snapshot::default(), State::default());
+        Self { shared, on_news, snapshot, state, settled: None, refused: None, pool, broken_off: false }
+    }
 }
 
 impl Worker<'_> {
-    fn run(mut self) {
+    pub(super) fn run(mut self) {
         let mut answered = 0;
         loop {
             let wanted = {
                 let mut wanted = locked(&self.shared.wanted);
                 while wanted.generation == answered && !self.shared.quit.load(Ordering::Acquire) {
+                    if let Some(target) = self.at_leisure() {
+                        drop(wanted);
+                        self.refine(target);
+                        wanted = locked(&self.shared.wanted);
+                        continue;
+                    }
                     wanted = self.shared.news_for_worker.wait(wanted).unwrap_or_else(PoisonError::into_inner);
                 }
+                self.broken_off = false;
                 // A stop that came after this request, before it was begun, still holds.
                 let stopped = self.shared.stopped.load(Ordering::Acquire);
                 self.shared.cancel.store(stopped, Ordering::Release);
@@ -249,21 +110,23 @@ impl Worker<'_> {
                     self.snapshot.error = Some(message);
                     self.publish(Stage::Failed);
                 }
-                Err(panic) => {
-                    let text = panic
-                        .downcast_ref::<String>()
-                        .map(String::as_str)
-                        .or_else(|| panic.downcast_ref::<&str>().copied())
-                        .unwrap_or("no reason given");
-                    self.snapshot.error = Some(format!(
-                        "the solver stopped by an error of its own ({text}); reopen the scene to go on"
-                    ));
-                    self.state = State::default();
-                    self.settled = None;
-                    self.publish(Stage::Failed);
-                }
+                Err(panic) => self.fail(panic.as_ref()),
             }
         }
+    }
+
+    /// Says that something panicked, and begins anew.
+    pub(super) fn fail(&mut self, panic: &(dyn std::any::Any + Send)) {
+        let text = panic
+            .downcast_ref::<String>()
+            .map(String::as_str)
+            .or_else(|| panic.downcast_ref::<&str>().copied())
+            .unwrap_or("no reason given");
+        self.snapshot.error =
+            Some(format!("the solver stopped by an error of its own ({text}); reopen the scene to go on"));
+        self.state = State::default();
+        self.settled = None;
+        self.publish(Stage::Failed);
     }
 
     /// The solve has ended thus.
@@ -300,15 +163,13 @@ impl Worker<'_> {
         self.snapshot.settings.clone_from(&wanted.settings);
         self.state.settings = wanted.settings;
 
-        let edit_of =
-            |material: u32| edits.iter().rev().find(|e| e.material == material).map(|e| e.reflectance);
-        let reflectance = patch_reflectance(&prepared.mesh, &edit_of);
+        self.state.edits = edits;
+        let reflectance = patch_reflectance(&prepared.mesh, &|material| self.reflectance_of(material));
         if let Some(solution) = self.snapshot.solution_mut() {
             solution.set_reflectance(&reflectance);
             solution.settings.clone_from(&self.state.settings);
         }
         let system = system(&prepared, &reflectance);
-        self.state.edits = edits;
 
         if prepared.scene.luminaires.is_empty() && !wanted.unlit {
             todo.unlit = true;
@@ -321,11 +182,18 @@ impl Worker<'_> {
             let standing = self.state.bases.as_deref().cloned();
             // What a request that leaves the geometry alone has interrupted goes on from there.
             let mut known = std::mem::take(&mut self.state.rows);
-            let rows = self.with_run(|run| run.rows(&prepared, &system, standing, &mut known));
+            let lit =
+                self.with_run(|run| run.first_light(&prepared, &system, standing.is_some(), &mut known));
+            self.state.rows = known;
+            lit?;
+            self.lay_out_elements(&prepared, &system)?;
+            let direct = self.element_light().map(|elements| Arc::clone(&elements.given));
+            let lit = system.clone().with_direct(direct.as_ref());
+            let mut known = std::mem::take(&mut self.state.rows);
+            let rows = self.with_run(|run| run.rows(&prepared, &lit, standing, &mut known));
             self.state.rows = known;
             let (mut rows, start) = rows?;
             self.state.bases = Some(Arc::new(start));
-            self.lay_out_elements(&prepared, &system)?;
             let assembled = self.with_run(|run| run.assemble(&prepared, &mut rows));
             // What is left of them, where it was interrupted.
             self.state.rows = rows.into_iter().map(Some).collect();
@@ -339,7 +207,8 @@ impl Worker<'_> {
         }
         let are_new = self.lay_out_elements(&prepared, &system)?;
         // A recoloured material may call for three bands where one did.
-        if are_new || self.element_light().is_some_and(|elements| !elements.serves(&system)) {
+        let is_ready = |elements: &Arc<ElementLight>| elements.is_settled && elements.serves(&system);
+        if are_new || self.element_light().is_some_and(|elements| !is_ready(elements)) {
             self.settle_elements(&prepared, &system)?;
         }
         let transport = self.state.transport.clone().ok_or(Failure::Cancelled)?;
@@ -373,17 +242,26 @@ impl Worker<'_> {
         Ok(todo)
     }
 
-    fn element_light(&self) -> Option<&Arc<ElementLight>> {
+    /// The reflectance that the user gave a material.
+    pub(super) fn reflectance_of(&self, material: u32) -> Option<[f64; 3]> {
+        self.state.edits.iter().rev().find(|edit| edit.material == material).map(|edit| edit.reflectance)
+    }
+
+    pub(super) fn element_light(&self) -> Option<&Arc<ElementLight>> {
         self.snapshot.solution.as_ref()?.element_light.as_ref()
     }
 
     /// Computes direct light on elements, unless that stands already, and shows it. Whether there was something to
     /// compute.
     fn lay_out_elements(&mut self, prepared: &Prepared, system: &System) -> Result<bool, Failure> {
-        if self.snapshot.solution.as_ref().is_none_or(|s| s.element_light.is_some()) {
+        let target = &prepared.direct;
+        if self.snapshot.solution.is_none() || self.element_light().is_some_and(|e| e.target.serves(target)) {
             return Ok(false);
         }
-        let elements = self.with_run(|run| run.elements(prepared, system))?;
+        let known = std::mem::take(&mut self.state.rows);
+        let elements = self.with_run(|run| run.elements(prepared, system, &known));
+        self.state.rows = known;
+        let elements = elements?;
         if let Some(solution) = self.snapshot.solution_mut() {
             solution.element_light = elements.map(Arc::new);
         }
@@ -474,6 +352,7 @@ impl Worker<'_> {
         timings: Timings,
     ) -> Result<(), Failure> {
         let before = self.state.prepared.as_ref().filter(|old| Arc::ptr_eq(&old.scene, &scene));
+        let is_same_scene = before.is_some();
         let survey = (before.map(|old| old.survey.clone()), LightSearch::Full);
         let prepared = self.with_run(|run| run.prepare(scene.clone(), &wanted.settings, survey))?;
         self.check_cancel()?;
@@ -498,6 +377,10 @@ impl Worker<'_> {
         self.snapshot.timings = Timings { mesh, plan, ..timings };
         let mut solution = Solution::new(&prepared, &wanted.settings);
         solution.transport.clone_from(&self.state.transport);
+        if same && is_same_scene {
+            // Where finer ones are asked for, these stay on screen until those are there.
+            solution.element_light = self.element_light().cloned();
+        }
         if let Some(bases) = &self.state.bases {
             solution.bases.clone_from(bases);
         }
@@ -516,7 +399,7 @@ impl Worker<'_> {
     }
 
     /// Runs a part of the pipeline, publishing its progress and resting while paused.
-    fn with_run<T, E: Into<Failure>>(
+    pub(super) fn with_run<T, E: Into<Failure>>(
         &mut self,
         part: impl FnOnce(&mut Run<'_>) -> Result<T, E>,
     ) -> Result<T, Failure> {
@@ -554,7 +437,7 @@ impl Worker<'_> {
     }
 
     /// Waits while the user wants it to rest; how long that was.
-    fn rest_while_paused(&mut self, stage: Stage) -> Duration {
+    pub(super) fn rest_while_paused(&mut self, stage: Stage) -> Duration {
         if !self.shared.paused.load(Ordering::Acquire) {
             return Duration::ZERO;
         }
@@ -570,7 +453,7 @@ impl Worker<'_> {
         clock.elapsed()
     }
 
-    fn publish(&mut self, stage: Stage) {
+    pub(super) fn publish(&mut self, stage: Stage) {
         self.snapshot.stage = stage;
         self.snapshot.paused = self.shared.paused.load(Ordering::Acquire);
         self.snapshot.serial += 1;

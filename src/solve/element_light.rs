@@ -1,6 +1,6 @@
-use super::pipeline::Prepared;
+use super::pipeline::{DirectTarget, Prepared};
 use super::uneven::UnevenLight;
-use crate::direct::{DirectLight, ElementSettings, Elements};
+use crate::direct::{DirectLight, ElementSettings, Elements, Focus};
 use crate::effects::Effect;
 use crate::emitters::Basis;
 use crate::mesh::PatchMesh;
@@ -13,6 +13,10 @@ use std::sync::Arc;
 /// The direct light of a scene on elements, for every state of the lamps.
 #[derive(Clone, Debug)]
 pub struct ElementLight {
+    /// How finely it was laid out.
+    pub target: DirectTarget,
+    /// Whether the patches have what the transport makes of it.
+    pub is_settled: bool,
     /// Where it is kept.
     pub elements: Arc<Elements>,
     /// Gives the same at any point.
@@ -32,9 +36,11 @@ pub struct ElementLight {
 }
 
 impl ElementLight {
-    /// Divides the patches of a scene by its direct light.
+    /// Divides the patches of a scene by its direct light, most finely where somebody looks.
     pub(super) fn compute(
         prepared: &Prepared,
+        target: DirectTarget,
+        focus: Option<Focus>,
         system: &System,
         watch: &mut Watch<'_>,
     ) -> Result<Self, Cancelled> {
@@ -42,14 +48,15 @@ impl ElementLight {
         let light = DirectLight::new(mesh, plan.is_on(Effect::Visibility));
         let bases = light.emitters().bases.clone();
         let settings = ElementSettings {
-            error: prepared.direct.error,
-            most: prepared.direct.most,
-            work: prepared.direct.work,
+            error: target.error,
+            most: target.most,
+            work: target.work,
             exitance: exitances(scene, &bases),
             smooth: plan.is_on(Effect::SmoothSurfaces),
+            focus,
         };
         let elements = Elements::build(mesh, &light, &settings, watch)?;
-        Ok(Self::new(elements, light, mesh, system))
+        Ok(Self::new(target, elements, light, mesh, system))
     }
 
     /// The same once the transport stands: where patches lie under something they
@@ -111,7 +118,7 @@ impl ElementLight {
         let mut watch = Watch::new(cancelled, &mut nobody);
         let uneven = UnevenLight::find(computer, transport, &self.elements, &exitance, &mut watch)?;
         let of_patches = Arc::new(LightBases { values, ..carried });
-        Self { of_patches, scaling, uneven: Arc::new(uneven), ..self }
+        Self { of_patches, scaling, uneven: Arc::new(uneven), is_settled: true, ..self }
             .with_reflectance(transport, system, cancelled)
     }
 
@@ -167,10 +174,18 @@ impl ElementLight {
     }
 
     /// Elements of a mesh; the patches are taken to have the mean of what is on them.
-    fn new(elements: Elements, direct: DirectLight, mesh: &PatchMesh, system: &System) -> Self {
+    fn new(
+        target: DirectTarget,
+        elements: Elements,
+        direct: DirectLight,
+        mesh: &PatchMesh,
+        system: &System,
+    ) -> Self {
         let bases = direct.emitters().bases.clone();
         let of_patches = Arc::new(means(&elements, &bases, mesh, (system.lamps, system.bands)));
         Self {
+            target,
+            is_settled: false,
             elements: Arc::new(elements),
             direct: Arc::new(direct),
             bases,

@@ -6,6 +6,7 @@ mod element_light;
 mod error;
 mod memory;
 mod pipeline;
+mod rows;
 mod solution;
 mod uneven;
 mod watched;

@@ -4,8 +4,8 @@ use super::arriving::Arriving;
 use super::effect_costs;
 use super::element_light::ElementLight;
 use super::error::PipelineError;
-use super::memory::check_memory;
 use super::solution::Solution;
+use crate::direct::Focus;
 use crate::effects::{self, Effect, EffectChoices, EffectPlan};
 use crate::form_factors::{Method, ReceivingPoints, Row, RowComputer, Sampling};
 use crate::mesh::{self, LightSearch, MeshSettings, PatchMesh, PatchTarget, Refinement, Survey};
@@ -13,7 +13,6 @@ use crate::scene::Scene;
 use crate::solver::{GaussSeidel, LightBases, SweepReport, System};
 use crate::transport::{DenseTransport, Transport};
 use crate::watch::Watch;
-use rayon::prelude::*;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
@@ -70,6 +69,13 @@ pub struct DirectTarget {
     pub most: usize,
     /// Work at most, as [`crate::direct::ElementSettings::work`] has it.
     pub work: u64,
+}
+
+impl DirectTarget {
+    /// Whether light that was laid out so is at least as fine as another target asks.
+    pub fn serves(&self, other: &Self) -> bool {
+        self.error <= other.error && self.most >= other.most && self.work >= other.work
+    }
 }
 
 impl Default for DirectTarget {
@@ -160,7 +166,7 @@ pub struct Progress<'a> {
 /// Where a picture on the way is copied from.
 #[derive(Clone, Copy)]
 pub(super) enum Pictured<'a> {
-    Arriving(&'a Arriving),
+    Arriving(&'a Arriving, &'a System),
     Sweeps(&'a GaussSeidel, &'a System),
 }
 
@@ -168,7 +174,7 @@ impl Progress<'_> {
     /// The picture as it stands, if there is one; copies it.
     pub fn picture(&self) -> Option<LightBases> {
         Some(match self.picture? {
-            Pictured::Arriving(arriving) => arriving.bases(),
+            Pictured::Arriving(arriving, system) => arriving.picture(system),
             Pictured::Sweeps(solver, system) => solver.bases(system),
         })
     }
@@ -176,7 +182,7 @@ impl Progress<'_> {
     /// The radiosity that has not been passed on, while rows arrive in a dark scene; copies it.
     pub fn unshot(&self) -> Option<LightBases> {
         match self.picture? {
-            Pictured::Arriving(arriving) => arriving.unshot(),
+            Pictured::Arriving(arriving, _) => arriving.unshot(),
             Pictured::Sweeps(..) => None,
         }
     }
@@ -296,6 +302,11 @@ impl Clock {
 const SURVEYED: f64 = 0.9;
 /// Sweeps take so much of the time of the rows, about.
 const SWEEPS: f64 = 0.05;
+/// Of the whole solve so much is done once the rows of the lamps are there, elements, all rows, and the balance.
+pub(super) const ROWS_OF_LAMPS: f64 = 0.02;
+pub(super) const ELEMENTS: f64 = 0.3;
+pub(super) const ROWS: f64 = 0.9;
+const BALANCED: f64 = 0.95;
 /// News comes no more often than this.
 const NEWS_EVERY: Duration = Duration::from_millis(80);
 
@@ -341,88 +352,9 @@ impl<'a> Run<'a> {
         }
     }
 
-    /// All rows; lights the scene on the way. From dark those of the luminaires come first and then by
-    /// unshot power. Where the light of an earlier solve is `standing` on these patches, it is refined
-    /// instead, the brightest patches first.
-    ///
-    /// Rows of the same mesh and computer that are `known` are not computed again; what there is when the
-    /// run is cancelled is left there, and nothing else.
-    pub fn rows(
-        &mut self,
-        prepared: &Prepared,
-        system: &System,
-        standing: Option<LightBases>,
-        known: &mut Vec<Option<Row>>,
-    ) -> Result<(Vec<Row>, LightBases), PipelineError> {
-        let n = prepared.mesh.patches.len();
-        let computer = &prepared.computer;
-        let mut left_to_compute = n - known.iter().flatten().count();
-        let before = if left_to_compute < n { self.timings.rows } else { 0.0 };
-        let clock = self.clock();
-        if left_to_compute == n {
-            let cancel = self.cancel;
-            check_memory(computer, system, &|| cancel.load(Ordering::Relaxed))?;
-            self.timings.first_light = 0.0;
-        }
-        known.resize(n, None);
-        let mut arriving = Arriving::new(system, standing);
-        let lamps: Vec<u32> = match arriving {
-            Arriving::Shot(_) => {
-                (0..n as u32).filter(|&i| prepared.mesh.patches[i as usize].luminaire.is_some()).collect()
-            }
-            Arriving::Refined(_) => Vec::new(),
-        };
-        let batch = computer.batch();
-        let mut waiting_lamps = lamps.chunks(batch.max(1));
-        let (mut done, mut computed) = (0, 0);
-        while done < n {
-            let lamp_batch = waiting_lamps.next();
-            let stage = if lamp_batch.is_some() { Stage::FirstLight } else { Stage::Rows };
-            let picked = lamp_batch.map_or_else(|| arriving.brightest(system, batch), <[u32]>::to_vec);
-            let missing: Vec<u32> = picked.iter().copied().filter(|&i| known[i as usize].is_none()).collect();
-            let fresh: Vec<Row> = missing
-                .par_iter()
-                .map_init(|| computer.scratch(), |scratch, &i| computer.row(i, scratch))
-                .collect();
-            for (&i, row) in missing.iter().zip(fresh) {
-                known[i as usize] = Some(row);
-            }
-            for &i in &picked {
-                if let Some(row) = &known[i as usize] {
-                    arriving.take(system, i, row);
-                }
-            }
-            done += picked.len();
-            computed += missing.len();
-            left_to_compute -= missing.len();
-            let elapsed = clock.seconds(self);
-            self.timings.rows = before + elapsed;
-            let first_light = stage == Stage::FirstLight && done == lamps.len();
-            let is_direct = first_light || matches!(arriving, Arriving::Refined(_)) && done == n;
-            // Rows that were all known had passed it on before.
-            if is_direct && computed > 0 {
-                self.timings.first_light = before + elapsed;
-            }
-            if computed == 0 && done < n && !self.cancel.load(Ordering::Relaxed) {
-                // Until it has caught up, the picture would be darker than the one that is there.
-                continue;
-            }
-            // Rows took nine tenths of the time in every scene measured.
-            let fraction = 0.9 * (n - left_to_compute) as f64 / n as f64;
-            let left = (done > lamps.len().min(n - 1)).then(|| {
-                let rows = elapsed * left_to_compute as f64 / computed.max(1) as f64;
-                rows + (before + elapsed + rows) / 9.0
-            });
-            let picture = Some(Pictured::Arriving(&arriving));
-            let counts = (n - left_to_compute, n);
-            self.tell(stage, counts, (fraction, left), &[], picture, first_light)?;
-        }
-        let rows = std::mem::take(known).into_iter().map(Option::unwrap_or_default).collect();
-        Ok((rows, arriving.bases()))
-    }
-
     /// Direct light on elements; `None` where rows are computed by another method than the usual one, which is then
-    /// to be seen as it is unless lamps shine by their photometry, and where there are no lamps.
+    /// to be seen as it is unless lamps shine by their photometry, and where there are no lamps. `rows` are those that
+    /// there are so far: they tell how long the others will take.
     ///
     /// # Errors
     /// The run was ended.
@@ -430,6 +362,7 @@ impl<'a> Run<'a> {
         &mut self,
         prepared: &Prepared,
         system: &System,
+        rows: &[Option<Row>],
     ) -> Result<Option<ElementLight>, PipelineError> {
         let by_rows =
             prepared.computer.sampling().method != Method::Lines && prepared.mesh.photometric.is_empty();
@@ -438,11 +371,36 @@ impl<'a> Run<'a> {
         }
         let clock = self.clock();
         let n = prepared.mesh.patches.len();
-        let light = self.watched(Stage::Elements, (n, n), ([0.88, 0.9], 0.0), |watch| {
-            ElementLight::compute(prepared, system, watch)
-        })?;
+        // The rows that come after it take as long as those of the lamps did, a row each.
+        let known = rows.iter().flatten().count();
+        let per_row = if known > 0 { self.timings.rows / known as f64 } else { 0.0 };
+        let rest = per_row * (n - known) as f64 * (1.0 + SWEEPS);
+        let light =
+            self.watched(Stage::Elements, (known, n), ([ROWS_OF_LAMPS, ELEMENTS], rest), |watch| {
+                ElementLight::compute(prepared, prepared.direct, None, system, watch)
+            })?;
         self.timings.elements = clock.seconds(self);
         Ok(Some(light))
+    }
+
+    /// Direct light anew on elements of another fineness, with most of them where somebody looks.
+    ///
+    /// # Errors
+    /// The run was ended.
+    pub fn finer_elements(
+        &mut self,
+        prepared: &Prepared,
+        target: DirectTarget,
+        focus: Option<Focus>,
+        system: &System,
+    ) -> Result<ElementLight, PipelineError> {
+        let clock = self.clock();
+        let n = prepared.mesh.patches.len();
+        let light = self.watched(Stage::Elements, (n, n), ([0.0, BALANCED], 0.0), |watch| {
+            ElementLight::compute(prepared, target, focus, system, watch)
+        })?;
+        self.timings.elements += clock.seconds(self);
+        Ok(light)
     }
 
     /// Direct light on elements, as patches take it over from them once the transport stands.
@@ -473,8 +431,8 @@ impl<'a> Run<'a> {
         let clock = self.clock();
         let n = rows.len();
         let sweeps = SWEEPS * self.timings.rows;
-        self.tell(Stage::Balancing, (n, n), (0.9, Some(2.0 * sweeps)), &[], None, true)?;
-        let assembled = self.watched(Stage::Balancing, (n, n), ([0.9, 0.95], sweeps), |watch| {
+        self.tell(Stage::Balancing, (n, n), (ROWS, Some(2.0 * sweeps)), &[], None, true)?;
+        let assembled = self.watched(Stage::Balancing, (n, n), ([ROWS, BALANCED], sweeps), |watch| {
             DenseTransport::assemble(&prepared.computer, rows, watch)
         });
         self.timings.balance = clock.seconds(self);
@@ -509,7 +467,7 @@ impl<'a> Run<'a> {
             self.tell(
                 Stage::Sweeping,
                 (n, n),
-                (0.95 + 0.05 * share, left),
+                (BALANCED + (1.0 - BALANCED) * share, left),
                 &reports,
                 Some(Pictured::Sweeps(&solver, system)),
                 true,
@@ -533,8 +491,11 @@ impl Run<'_> {
     ) -> Result<Solution, PipelineError> {
         let reflectance = patch_reflectance(&prepared.mesh, &|_| None);
         let system = system(prepared, &reflectance);
-        let (mut rows, start) = self.rows(prepared, &system, standing, &mut Vec::new())?;
-        let elements = self.elements(prepared, &system)?;
+        let mut known = Vec::new();
+        self.first_light(prepared, &system, standing.is_some(), &mut known)?;
+        let elements = self.elements(prepared, &system, &known)?;
+        let lit = system.clone().with_direct(elements.as_ref().map(|elements| &elements.given));
+        let (mut rows, start) = self.rows(prepared, &lit, standing, &mut known)?;
         let transport = self.assemble(prepared, &mut rows)?;
         let settle = |elements| self.settle(prepared, elements, transport.as_ref(), &system).map(Arc::new);
         let elements = elements.map(settle).transpose()?;

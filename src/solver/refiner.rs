@@ -41,7 +41,11 @@ impl Refiner {
     /// Gathers the irradiance of `patch`.
     pub fn gather(&mut self, system: &System, patch: u32, row: &Row) {
         let n = system.columns();
-        let mut arriving = vec![0.0; n];
+        let at = patch as usize * n;
+        let mut arriving = match &system.direct {
+            Some(direct) => direct.values[at..at + n].iter().map(|&d| f64::from(d)).collect(),
+            None => vec![0.0; n],
+        };
         for (&j, &f) in row.patches.iter().zip(&row.values) {
             let (j, f) = (j as usize, f64::from(f));
             let there = self.light.values[j * n..(j + 1) * n].chunks_exact(system.bands);
@@ -50,12 +54,12 @@ impl Refiner {
                     *sum += f * rho * f64::from(h);
                 }
             }
-            if let Some((lamp, weight)) = &system.emission[j] {
+            if let (None, Some((lamp, weight))) = (&system.direct, &system.emission[j]) {
                 let own = &mut arriving[*lamp as usize * system.bands..][..system.bands];
                 own.iter_mut().zip(weight).for_each(|(sum, w)| *sum += f * w);
             }
         }
-        let own = &mut self.light.values[patch as usize * n..(patch as usize + 1) * n];
+        let own = &mut self.light.values[at..at + n];
         for (h, sum) in own.iter_mut().zip(arriving) {
             *h = sum as f32;
         }

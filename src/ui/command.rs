@@ -145,6 +145,8 @@ pub(super) enum Command {
     ToggleHelp,
     /// Load files again when they change.
     ReloadOnChange(bool),
+    /// Whether light that has settled is made finer.
+    RefineAtLeisure(bool),
     /// Take the banner of this key away until another scene is open.
     DismissBanner(&'static str),
     /// Take the message away.

@@ -151,6 +151,7 @@ impl App {
             Command::ToggleHelp => self.help_open = !self.help_open,
             Command::ToggleStatus => self.state.show_status = !self.state.show_status,
             Command::ReloadOnChange(reload) => self.state.reload_on_change = reload,
+            Command::RefineAtLeisure(refine) => self.state.refine_at_leisure = refine,
             Command::DismissBanner(key) => {
                 self.visit.dismissed.insert(key);
             }

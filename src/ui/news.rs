@@ -7,6 +7,7 @@ use super::overlay::{NOTICE_SECS, Notice};
 use super::path_dialog::PathDialog;
 use super::state::Quantity;
 use super::{change, panels};
+use crate::direct::Focus;
 use crate::scene::{FrameChoice, Scene, SceneSource};
 use crate::session::Snapshot;
 use crate::solve::Stage;
@@ -43,6 +44,9 @@ impl App {
         self.follow_error(time);
         self.look_after_device(ctx, time);
         self.audit(ctx, time);
+        // On the way to a goal what is checked is to be what was solved.
+        let at_leisure = self.state.refine_at_leisure && !self.auditor.is_reaching();
+        self.worker.refine_at_leisure(at_leisure, self.focus());
         if let Some(prepared) = &self.picture.prepared {
             let wake = ctx.clone();
             self.doctor.follow(prepared, move || wake.request_repaint());
@@ -107,6 +111,15 @@ impl App {
         if news && (quantity.is_defect() || quantity.is_row()) {
             self.stale.light = true;
         }
+    }
+
+    /// Who looks at the scene.
+    fn focus(&self) -> Option<Focus> {
+        let camera = self.camera.as_ref()?;
+        let [width, height] = self.view_size_px.map(|pixels| f64::from(pixels.max(1)));
+        let across =
+            (0.5 * camera.pose().fov_y_deg.to_radians()).tan() * (1.0 + (width / height).powi(2)).sqrt();
+        Some(Focus { eye: camera.pose().eye, forward: camera.forward(), half_angle: across.atan() })
     }
 
     /// Lets the background check follow the light, and solves on where a goal asks for it.

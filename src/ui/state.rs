@@ -308,6 +308,8 @@ pub struct UiState {
     pub hint_done: bool,
     /// Load a file again when it changes on disk.
     pub reload_on_change: bool,
+    /// Make light that has settled finer while nothing else is to be done.
+    pub refine_at_leisure: bool,
     /// How every scene is shown at first.
     pub preferences: Preferences,
 }
@@ -322,6 +324,7 @@ impl Default for UiState {
             recent: Vec::new(),
             hint_done: false,
             reload_on_change: true,
+            refine_at_leisure: true,
             preferences: Preferences::default(),
         }
     }

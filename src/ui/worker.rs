@@ -1,5 +1,6 @@
 //! What the window asks of the solver's thread, so that tests can count it.
 
+use crate::direct::Focus;
 use crate::scene::{PlacedLamp, Scene, SceneSource};
 use crate::session::{MaterialEdit, Session, Snapshot};
 use crate::solve::SolveSettings;
@@ -27,6 +28,8 @@ pub trait Worker {
     fn resume(&self);
     /// Ends the solve; the picture so far stays.
     fn stop(&self);
+    /// Whether light that has settled becomes finer while nothing else is asked for, first where somebody looks.
+    fn refine_at_leisure(&self, on: bool, focus: Option<Focus>);
 }
 
 impl Worker for Arc<Session> {
@@ -68,5 +71,10 @@ impl Worker for Arc<Session> {
 
     fn stop(&self) {
         Session::stop(self);
+    }
+
+    fn refine_at_leisure(&self, on: bool, focus: Option<Focus>) {
+        self.look_from(focus);
+        Session::refine_at_leisure(self, on);
     }
 }

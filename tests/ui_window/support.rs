@@ -3,6 +3,7 @@
 use egui::{Key, Modifiers, Pos2};
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable as _;
+use lumenwalk::direct::Focus;
 use lumenwalk::scene::{self, PlacedLamp, Scene, SceneSource};
 use lumenwalk::session::{MaterialEdit, Snapshot};
 use lumenwalk::solve::{self, Control, SolveSettings, Timings};
@@ -88,6 +89,7 @@ struct Log {
     requests: Vec<String>,
     snapshot: Arc<Snapshot>,
     settings: Option<SolveSettings>,
+    leisure: Option<(bool, Option<Focus>)>,
 }
 
 /// A worker that solves nothing.
@@ -109,6 +111,11 @@ impl Counting {
 
     pub(crate) fn requests(&self) -> Vec<String> {
         self.0.lock().expect("no panic while locked").requests.clone()
+    }
+
+    /// Whether light is to be refined, and for whom.
+    pub(crate) fn leisure(&self) -> Option<(bool, Option<Focus>)> {
+        self.0.lock().expect("no panic while locked").leisure
     }
 
     fn note(&self, request: String) {
@@ -149,6 +156,9 @@ impl Worker for Counting {
     }
     fn stop(&self) {
         self.note("stop".to_owned());
+    }
+    fn refine_at_leisure(&self, on: bool, focus: Option<Focus>) {
+        self.0.lock().expect("no panic while locked").leisure = Some((on, focus));
     }
 }
 

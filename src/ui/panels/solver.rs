@@ -52,9 +52,9 @@ pub(in crate::ui) fn pause(snapshot: &Snapshot) -> (&'static str, &'static str, 
     (name, tip, is_live.then_some(Command::Pause(rest)))
 }
 
-/// How far the solve has come, 0 to 1, or the reading and meshing before it.
+/// How far the solve has come, 0 to 1, or the reading and meshing before it, or what refines its light.
 pub(in crate::ui) fn fraction_of(snapshot: &Snapshot) -> f64 {
-    snapshot.fraction.clamp(0.0, 1.0)
+    snapshot.refining.unwrap_or(snapshot.fraction).clamp(0.0, 1.0)
 }
 
 /// Seconds that the solve will still take, where it runs and they are worth a number.
@@ -79,8 +79,8 @@ pub(in crate::ui) fn show(ui: &mut egui::Ui, model: &Model<'_>, out: &mut Comman
         ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
             ui.spacing_mut().item_spacing.x = 4.0;
             if ui
-                .add_enabled(running, egui::Button::new("Stop"))
-                .on_hover_text("End the solve; the light so far stays")
+                .add_enabled(running || snapshot.refining.is_some(), egui::Button::new("Stop"))
+                .on_hover_text("End the solve or the refinement; the light so far stays")
                 .clicked()
             {
                 out.push(Command::Stop);
@@ -88,6 +88,10 @@ pub(in crate::ui) fn show(ui: &mut egui::Ui, model: &Model<'_>, out: &mut Comman
             let (text, tip, command) = pause(snapshot);
             let button = ui.add_enabled(command.is_some(), egui::Button::new(text)).on_hover_text(tip);
             out.extend(command.filter(|_| button.clicked()));
+            if snapshot.refining.is_some() {
+                ui.add_space(4.0);
+                ui.label(RichText::new("refining shadows").color(theme::TEXT_WEAK));
+            }
             if let Some(left) = time_left(snapshot).filter(|_| running) {
                 ui.add_space(4.0);
                 ui.label(RichText::new(format!("{} left", units::duration(left))).color(theme::TEXT_WEAK));
@@ -102,7 +106,14 @@ pub(in crate::ui) fn show(ui: &mut egui::Ui, model: &Model<'_>, out: &mut Comman
     let change = if model.last_change.is_empty() { " " } else { model.last_change };
     ui.add_space(2.0);
     ui.add(egui::Label::new(RichText::new(change).small().color(theme::TEXT_WEAK)).truncate());
-    ui.collapsing("Method and quality", |ui| settings(ui, &model.settings, out));
+    ui.collapsing("Method and quality", |ui| {
+        settings(ui, &model.settings, out);
+        let mut refine = model.state.refine_at_leisure;
+        let tip = "While nothing else is to be done, shadows become finer, first where you look";
+        if ui.checkbox(&mut refine, "Refine while idle").on_hover_text(tip).changed() {
+            out.push(Command::RefineAtLeisure(refine));
+        }
+    });
     ui.collapsing("What it cost", |ui| costs(ui, model));
 }
 
@@ -304,7 +315,7 @@ fn method_name(method: Method) -> &'static str {
 
 fn points_name(points: ReceivingPoints) -> &'static str {
     match points {
-        ReceivingPoints::Auto => "More in shadow edges",
+        ReceivingPoints::Auto => "Chosen for each patch",
         ReceivingPoints::One => "1 per patch",
         ReceivingPoints::Four => "4 per patch",
         ReceivingPoints::Sixteen => "16 per patch",
