@@ -42,7 +42,7 @@ const ROOMS: &[(&str, &str)] = &[
     (
         "ui",
         "study outputs export render navigation display session solve accuracy solver transport direct emitters form_factors \
-         effects mesh scene geometry",
+         effects mesh scene photometry geometry",
     ),
     (
         "cli",

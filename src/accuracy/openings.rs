@@ -76,7 +76,7 @@ impl Openings {
     pub(super) fn gather(
         &self,
         start: impl Fn([f64; 4]) -> (DVec3, DVec3),
-        shares: &Shares,
+        shares: &[f64],
         samples: u32,
         seed: u64,
         is_hidden: impl Fn(u32, DVec3, DVec3, f64) -> bool,

@@ -58,7 +58,7 @@ impl PhotometricEmitter {
                     let flat = if opening.len() == 1 { first.clone() } else { section(&source, &opening) };
                     let vector = polygon::area_vector(&flat);
                     let normal = vector.normalize_or(-source.place.frame.normal);
-                    let down = source.downward_share();
+                    let down = source.downward_share;
                     let is_level = normal.dot(source.place.frame.normal) < -0.99;
                     let shines = if is_level { [down > DARK, 1.0 - down > DARK] } else { [true; 2] };
                     (flat, Shape::Flat { normal, area: vector.length(), shines })

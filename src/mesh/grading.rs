@@ -174,7 +174,7 @@ impl LampFace {
         Self {
             corners: [-a - b, a - b, a + b, b - a].map(|corner| centre + corner).to_vec(),
             normal: -frame.normal,
-            both: source.downward_share() < 0.999,
+            both: source.downward_share < 0.999,
             area: 4.0 * a.length() * b.length(),
             flux: PI * exitance * greatest,
         }

@@ -504,7 +504,7 @@ fn openings(source: &PhotometricSource, outlines: &[Outline]) -> Vec<(DVec3, DVe
     const LEAST: f64 = 1e-3;
     let own = || outlines.iter().filter(|outline| outline.luminaire == Some(source.luminaire));
     let down = -source.place.frame.normal;
-    let share = source.downward_share();
+    let share = source.downward_share;
     let faces = source.opening();
     if own().next().is_some() {
         // Behind a flat face that is none of them; inside of a closed body nothing is lit.

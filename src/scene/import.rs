@@ -196,6 +196,7 @@ fn build(input: Input<'_>, watch: &mut Watch<'_>) -> Result<Scene, SceneError> {
         views: bookmarks,
         start_view: 0,
         patch_size: sidecar.as_ref().and_then(|s| s.patch_size.as_ref()).map(|size| *size.get_ref()),
+        photometric_files: photometric.paths(),
         findings,
     };
     if let (Some(sidecar), Some(source)) = (&sidecar, sidecar_source)

@@ -8,6 +8,7 @@ use crate::geometry::Frame;
 use crate::photometry::{self, Photometry};
 use glam::{DQuat, DVec3};
 use std::collections::HashMap;
+use std::path::PathBuf;
 use std::sync::Arc;
 
 /// The light of a lamp by its photometry.
@@ -17,6 +18,10 @@ pub struct PhotometricLight {
     pub photometry: Arc<Photometry>,
     /// Where luminaires of it hang; at least one.
     pub places: Vec<PhotometricPlace>,
+    /// Flux of its photometry, lumens; above 0.
+    flux: f64,
+    /// What of it leaves towards the nadir's side, 0 to 1.
+    downward_share: f64,
 }
 
 /// Where a luminaire hangs, and how.
@@ -41,7 +46,9 @@ pub struct PhotometricSource {
     pub place: PhotometricPlace,
     /// What it sends out for a unit of the lamp's exitance, W per W/m²: its share of the lamp's area, m².
     pub area: f64,
-    /// Of that for a lumen of its photometry, m²/lm.
+    /// The share of its flux that leaves towards the nadir's side, 0 to 1.
+    pub downward_share: f64,
+    /// Of its area for a lumen of its photometry, m²/lm.
     per_lumen: f64,
 }
 
@@ -51,7 +58,8 @@ impl PhotometricSource {
     pub(crate) fn single(photometry: Photometry, centre: DVec3, frame: Frame, area: f64) -> Self {
         let per_lumen = area / photometry.flux().max(f64::MIN_POSITIVE);
         let place = PhotometricPlace { centre, frame, share: 1.0 };
-        Self { luminaire: 0, photometry: Arc::new(photometry), place, area, per_lumen }
+        let downward_share = downward_share(&photometry);
+        Self { luminaire: 0, photometry: Arc::new(photometry), place, area, downward_share, per_lumen }
     }
 
     /// Radiant intensity in a direction of any length, W/sr per W/m² of the lamp's exitance: over the sphere it
@@ -68,11 +76,10 @@ impl PhotometricSource {
         }
         faces
     }
+}
 
-    /// The share of its flux that leaves towards the nadir's side, 0 to 1.
-    pub fn downward_share(&self) -> f64 {
-        self.photometry.distribution.downward_flux() / self.photometry.flux().max(f64::MIN_POSITIVE)
-    }
+fn downward_share(photometry: &Photometry) -> f64 {
+    photometry.distribution.downward_flux() / photometry.flux().max(f64::MIN_POSITIVE)
 }
 
 impl Scene {
@@ -81,7 +88,6 @@ impl Scene {
         let mut sources = Vec::new();
         for (number, lamp) in (0_u32..).zip(&self.luminaires) {
             let Some(light) = &lamp.photometric else { continue };
-            let flux = light.photometry.flux().max(f64::MIN_POSITIVE);
             sources.extend(light.places.iter().map(|&place| {
                 let area = place.share * lamp.area;
                 PhotometricSource {
@@ -89,7 +95,8 @@ impl Scene {
                     photometry: Arc::clone(&light.photometry),
                     place,
                     area,
-                    per_lumen: area / flux,
+                    downward_share: light.downward_share,
+                    per_lumen: area / light.flux,
                 }
             }));
         }
@@ -150,7 +157,8 @@ impl PhotometricLight {
     ) -> Option<(Self, f64)> {
         let factors: Vec<f64> = hung.iter().map(|(_, frame)| tilt_factor(&photometry, frame, up)).collect();
         let sum: f64 = factors.iter().sum();
-        let lumens = sum * photometry.flux();
+        let flux = photometry.flux();
+        let lumens = sum * flux;
         if !(lumens > 0.0 && lumens.is_finite()) {
             return None;
         }
@@ -160,14 +168,15 @@ impl PhotometricLight {
             share: factor / sum,
         };
         let places = hung.iter().zip(&factors).map(place).collect();
-        Some((Self { photometry, places }, lumens))
+        let downward_share = downward_share(&photometry);
+        Some((Self { photometry, places, flux, downward_share }, lumens))
     }
 }
 
 /// The photometric files that a sidecar names; each is read once.
 pub(super) struct PhotometricFiles<'a> {
     files: Files<'a>,
-    known: HashMap<String, Arc<Photometry>>,
+    known: HashMap<String, (Arc<Photometry>, PathBuf)>,
 }
 
 impl<'a> PhotometricFiles<'a> {
@@ -177,7 +186,7 @@ impl<'a> PhotometricFiles<'a> {
 
     /// The photometry of a file beside the model, or why it cannot be had: the rest of a sentence on the lamp.
     pub(super) fn read(&mut self, name: &str) -> Result<Arc<Photometry>, String> {
-        if let Some(known) = self.known.get(name) {
+        if let Some((known, _)) = self.known.get(name) {
             return Ok(Arc::clone(known));
         }
         let shown = names::short(name);
@@ -188,14 +197,22 @@ impl<'a> PhotometricFiles<'a> {
         let read = photometry::read(&shown, &found.bytes)
             .map_err(|error| format!("has a photometric file that cannot be used: {error}"))?;
         let read = Arc::new(read);
-        self.known.insert(name.to_owned(), Arc::clone(&read));
+        self.known.insert(name.to_owned(), (Arc::clone(&read), found.path));
         Ok(read)
+    }
+
+    /// Where the files are that were read.
+    pub(super) fn paths(&self) -> Vec<PathBuf> {
+        let mut paths: Vec<PathBuf> = self.known.values().map(|(_, path)| path.clone()).collect();
+        paths.sort();
+        paths.dedup();
+        paths
     }
 
     /// What the files that were read say of themselves and what is doubtful about them, by name.
     pub(super) fn findings(&self) -> Vec<Finding> {
         let mut told: Vec<(&String, Severity, String)> = Vec::new();
-        for (name, photometry) in &self.known {
+        for (name, (photometry, _)) in &self.known {
             for doubt in photometry.summary().warnings {
                 let is_note = photometry.notes.contains(&doubt);
                 told.push((name, if is_note { Severity::Note } else { Severity::Warning }, doubt));

@@ -68,6 +68,8 @@ pub struct Scene {
     pub start_view: usize,
     /// Edge of a patch that the sidecar asks for, metres; chosen from the scene's area otherwise.
     pub patch_size: Option<f64>,
+    /// Photometric files that it was read with.
+    pub photometric_files: Vec<PathBuf>,
     /// What the reader noticed, repaired or dropped.
     pub findings: Vec<Finding>,
 }

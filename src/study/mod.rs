@@ -57,6 +57,17 @@ pub fn scene_hash(scene: &Scene) -> u64 {
     for lamp in &scene.luminaires {
         lamp.initial.output().iter().for_each(|e| take(e.to_bits()));
     }
+    for source in scene.photometric_sources() {
+        let place = source.place;
+        for axis in [place.centre, place.frame.tangent, place.frame.normal] {
+            axis.to_array().iter().for_each(|x| take(x.to_bits()));
+        }
+        for k in 0..64_u32 {
+            let e = crate::geometry::Frame::around(glam::DVec3::Z).turned(f64::from(k) * 2.4).tangent;
+            let e = e + glam::DVec3::Z * (f64::from(k) / 16.0 - 2.0);
+            take(source.intensity(place.frame.world(e)).to_bits());
+        }
+    }
     take(scene.patch_size.map_or(0, f64::to_bits));
     hash
 }

@@ -200,12 +200,13 @@ impl Files {
         });
     }
 
-    /// Watches the files of a scene from now on, or none.
-    pub(super) fn watch(&mut self, source: Option<&SceneSource>) {
+    /// Watches the files of a scene and these others from now on, or none.
+    pub(super) fn watch(&mut self, source: Option<&SceneSource>, others: &[PathBuf]) {
         self.watcher = None;
         let Some(path) = source.and_then(SceneSource::path) else { return };
         let files = ["obj", "mtl", "toml"].map(|extension| path.with_extension(extension));
-        let files: Vec<PathBuf> = [path.to_owned()].into_iter().chain(files).collect();
+        let files: Vec<PathBuf> =
+            [path.to_owned()].into_iter().chain(files).chain(others.iter().cloned()).collect();
         let (keep, dropped) = channel::<()>();
         let (sender, ctx) = (self.sender.clone(), self.ctx.clone());
         let watch = move || {
@@ -323,7 +324,7 @@ mod tests {
         let model = folder.path().join("a.obj");
         std::fs::write(&model, "v 0 0 0").expect("written");
         let mut files = Files::new(egui::Context::default());
-        files.watch(Some(&SceneSource::File(model.clone())));
+        files.watch(Some(&SceneSource::File(model.clone())), &[]);
         std::thread::sleep(Duration::from_millis(100));
         std::fs::write(model.with_extension("toml"), "unit = \"m\"").expect("written");
         let news = files.receiver.recv_timeout(Duration::from_secs(20));

@@ -25,6 +25,7 @@ mod lampless;
 mod leaving;
 mod legend;
 mod lit;
+mod luminaires;
 mod marks;
 mod microscope;
 mod news;

@@ -178,6 +178,13 @@ impl App {
         }
     }
 
+    /// Watches the files of the scene that is shown from now on.
+    fn watch_files(&mut self) {
+        let scene = self.scene_shown.as_deref();
+        let others = scene.map_or(&[][..], |scene| &scene.photometric_files);
+        self.files.watch(scene.map(|scene| &scene.source), others);
+    }
+
     fn file_news(&mut self, ctx: &egui::Context, news: FileNews, time: f64) {
         match news {
             FileNews::Opened(path) => self.leave_for(SceneSource::File(path)),
@@ -190,7 +197,7 @@ impl App {
             FileNews::Saved(path) => {
                 if path.extension().is_some_and(|e| e == "toml") {
                     // What the window wrote itself is no change to load.
-                    self.files.watch(self.scene_shown.as_ref().map(|scene| &scene.source));
+                    self.watch_files();
                 }
                 let text = format!("Saved {}", path.display());
                 self.has_saved(ctx, &path);
@@ -202,7 +209,7 @@ impl App {
             }
             FileNews::Framed(path) => {
                 // One reading is enough.
-                self.files.watch(self.scene_shown.as_ref().map(|scene| &scene.source));
+                self.watch_files();
                 // What the sidecar says now is chosen, whatever the command line said.
                 if let Some(scene) = &self.scene_shown {
                     self.open(scene.source.clone().framed(FrameChoice::default()));

@@ -7,7 +7,7 @@ use super::exposure::Metered;
 use super::overlay::Notice;
 use super::panels::Commands;
 use super::state::Quantity;
-use super::{banners, input, legend, marks, outline, overlay, picture, theme};
+use super::{banners, input, legend, luminaires, marks, outline, overlay, picture, theme};
 use crate::display::NO_VALUE;
 use crate::navigation::Camera;
 use crate::render::{ColourSource, FrameInput, Pick};
@@ -262,6 +262,9 @@ impl App {
         }
         if let (Some((finding, place)), Some(prepared)) = (self.doctor.shown(), &self.picture.prepared) {
             marks::show(ui, rect, prepared, &camera, finding, place);
+        }
+        if let Some(prepared) = &self.picture.prepared {
+            luminaires::show(ui, rect, &prepared.scene, &camera);
         }
     }
 

@@ -26,7 +26,7 @@ pub struct Mended {
     pub obj: String,
     /// The libraries of the model in one, images named as they are found from the folder of the copy.
     pub mtl: String,
-    /// The sidecar as it was, where there was one.
+    /// The sidecar as it was, where there was one; photometric files are named as they are found from that folder.
     pub sidecar: Option<String>,
     /// What was done, a short sentence each; empty where nothing had to be mended.
     pub done: Vec<String>,

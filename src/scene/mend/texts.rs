@@ -59,13 +59,39 @@ pub(super) fn originals(scene: &Scene, copy: &Path) -> Result<Originals, SceneEr
     }
     let sidecar = sidecar_path(path);
     if sidecar.exists() {
-        originals.sidecar = Some(text(&sidecar)?);
+        let given = text(&sidecar)?;
+        originals.sidecar =
+            Some(originals.take_photometry(given, path, copy.parent().unwrap_or(Path::new(""))));
         originals.sources.push(sidecar);
     }
     Ok(originals)
 }
 
 impl Originals {
+    /// The text of a sidecar with photometric files named by the way from the copy's folder.
+    fn take_photometry(&mut self, text: String, model: &Path, copy: &Path) -> String {
+        // It was read before; one that has been broken since stays as it is.
+        let Ok(mut document) = text.parse::<toml_edit::DocumentMut>() else { return text };
+        let files = Files::beside(model.parent().unwrap_or(Path::new("")));
+        for key in ["luminaire", "lamp"] {
+            let Some(entries) = document.get_mut(key).and_then(|item| item.as_array_of_tables_mut()) else {
+                continue;
+            };
+            for entry in entries.iter_mut() {
+                let Some(value) = entry.get_mut("photometry").and_then(|item| item.as_value_mut()) else {
+                    continue;
+                };
+                let Some(name) = value.as_str().map(str::to_owned) else { continue };
+                let Ok(found) = files.image(&name, model) else { continue };
+                let mut moved = toml_edit::Value::from(moved(&name, &found, copy));
+                *moved.decor_mut() = value.decor().clone();
+                *value = moved;
+                self.sources.push(found);
+            }
+        }
+        document.to_string()
+    }
+
     /// Adds a library; images are named by the way from the copy's folder.
     fn take_library(
         &mut self,

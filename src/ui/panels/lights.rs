@@ -4,7 +4,7 @@ use super::{Commands, Model, colour_picker, empty};
 use crate::scene::{LUMINOUS_EFFICACY, LampState, Luminaire, black_body, luminance_weighted};
 use crate::ui::colour::{self, MAX_KELVIN, MIN_KELVIN};
 use crate::ui::command::Command;
-use crate::ui::{theme, units};
+use crate::ui::{luminaires, theme, units};
 use egui::{Align, Button, Layout, RichText, Slider, Vec2};
 
 /// Shows all lamps of the scene.
@@ -34,20 +34,13 @@ pub(in crate::ui) fn show(ui: &mut egui::Ui, model: &Model<'_>, out: &mut Comman
     ui.add_space(2.0);
     for (index, (luminaire, &state)) in scene.luminaires.iter().zip(&model.edits.lighting.lamps).enumerate() {
         let full_lumens = model.full_lumens.get(index).copied().unwrap_or(0.0);
-        let lamp = Lamp { luminaire, full_lumens };
-        ui.push_id(index, |ui| lamp_row(ui, model, index, lamp, state, out));
+        let lamp = Lamp { index, luminaire, full_lumens };
+        ui.push_id(index, |ui| lamp_row(ui, model, lamp, state, out));
     }
 }
 
-fn lamp_row(
-    ui: &mut egui::Ui,
-    model: &Model<'_>,
-    index: usize,
-    lamp: Lamp<'_>,
-    state: LampState,
-    out: &mut Commands,
-) {
-    let name = &lamp.luminaire.name;
+fn lamp_row(ui: &mut egui::Ui, model: &Model<'_>, lamp: Lamp<'_>, state: LampState, out: &mut Commands) {
+    let (index, name) = (lamp.index, &lamp.luminaire.name);
     let mut new = state;
     ui.horizontal(|ui| {
         ui.spacing_mut().item_spacing.x = 5.0;
@@ -92,6 +85,8 @@ fn lamp_row(
 /// A lamp of the scene and its luminous flux at full output as it comes with the file, lm.
 #[derive(Clone, Copy)]
 struct Lamp<'a> {
+    /// Index into the scene's luminaires.
+    index: usize,
     luminaire: &'a Luminaire,
     full_lumens: f64,
 }
@@ -112,8 +107,17 @@ impl Lamp<'_> {
 fn colour_button(ui: &mut egui::Ui, lamp: Lamp<'_>, state: LampState, new: &mut LampState) {
     let (_, hue) = colour::split(state.exitance);
     let name = format!("Colour of {}", lamp.luminaire.name);
-    super::swatch(ui, colour::to_bytes(hue), name, "Colour and output", |ui| {
-        colour_menu(ui, lamp, state, new)
+    let tip = if lamp.luminaire.photometric.is_some() {
+        "Colour, output and distribution"
+    } else {
+        "Colour and output"
+    };
+    super::swatch(ui, colour::to_bytes(hue), name, tip, |ui| {
+        colour_menu(ui, lamp, state, new);
+        if let Some(light) = &lamp.luminaire.photometric {
+            super::polar::show(ui, &lamp.luminaire.name, light);
+            luminaires::look_at(ui.ctx(), lamp.index);
+        }
     });
 }
 

@@ -12,6 +12,7 @@ pub(super) mod lights;
 mod list;
 pub(super) mod materials;
 pub(super) mod menu;
+mod polar;
 mod row;
 pub(super) mod solver;
 pub(super) mod status;
