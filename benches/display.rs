@@ -72,6 +72,7 @@ fn display(criterion: &mut Criterion) {
         textures: &scene.textures,
         corner_radiosity: &corner_radiosity,
         corner_irradiance: &corner_irradiance,
+        sky: None,
     };
     let camera = Camera::from_view(&scene.views[scene.start_view], UpAxis::vector(scene.up));
     group.bench_function("view metering, 24 x 15 rays", |b| {
@@ -112,7 +113,7 @@ fn frames(criterion: &mut Criterion) {
         let grey = vec![[1.0; 3]; mesh.patches.len()];
         let light = display.corner_radiosity(&grey, &grey, Shading::Gouraud);
         let mut renderer = ViewportRenderer::new(device, queue, wgpu::TextureFormat::Rgba8Unorm);
-        renderer.set_mesh(device, queue, &display, &scene.textures).expect("it fits");
+        renderer.set_mesh(device, queue, &display, &scene.textures, None).expect("it fits");
         let camera = Camera::from_view(&scene.views[scene.start_view], scene.up.vector());
         let plain = FrameInput { multisample: false, ..FrameInput::new(camera, [1280, 800]) };
         for (mode, frame) in [

@@ -2,15 +2,17 @@
 
 mod render_room;
 
+use glam::{DVec2, DVec3};
 use lumenwalk::display::{
-    ColourMap, DisplayMesh, Exposure, FalseColour, Shading, ToneMap, luminance, meter, srgb_encode,
+    ColourMap, DisplayMesh, Exposure, FalseColour, Shading, SkyLight, SkyView, ToneMap, luminance, meter,
+    srgb_encode,
 };
 use lumenwalk::mesh::{MeshSettings, PatchMesh, PatchTarget, build};
 use lumenwalk::navigation::Camera;
 use lumenwalk::render::{
-    ColourSource, FrameInput, Gpu, Picker, StillInput, StillOptions, ViewportRenderer, render_still,
+    ColourSource, FrameInput, Gpu, Picker, Still, StillInput, StillOptions, ViewportRenderer, render_still,
 };
-use lumenwalk::scene::{Scene, SceneSource, load};
+use lumenwalk::scene::{Lighting, Scene, SceneSource, from_text, load};
 use render_room::{Room, camera, light};
 
 const SIZE: [u32; 2] = [320, 200];
@@ -32,6 +34,7 @@ fn gpu() -> Option<Gpu> {
 
 struct Lit {
     scene: Scene,
+    lighting: Lighting,
     mesh: PatchMesh,
     display: DisplayMesh,
     radiosity: Vec<[f32; 3]>,
@@ -53,6 +56,7 @@ impl Lit {
         Self {
             radiosity: display.corner_radiosity(&b, &h, shading),
             irradiance: display.corner_values(&h, shading),
+            lighting: scene.lighting(),
             scene,
             mesh,
             display,
@@ -64,17 +68,47 @@ impl Lit {
         let format = wgpu::TextureFormat::Rgba8Unorm;
         let mut renderer = ViewportRenderer::new(&gpu.device, &gpu.queue, format);
         renderer
-            .set_mesh(&gpu.device, &gpu.queue, &self.display, &self.scene.textures)
+            .set_mesh(
+                &gpu.device,
+                &gpu.queue,
+                &self.display,
+                &self.scene.textures,
+                self.scene.outdoors.as_ref(),
+            )
             .expect("a small mesh fits");
         renderer.set_light(&gpu.queue, &self.radiosity);
         renderer
     }
 
     fn frame(&self, camera: Camera, tone_map: ToneMap) -> FrameInput {
-        FrameInput { exposure: self.exposure, tone_map, ..FrameInput::new(camera, SIZE) }
+        let sky = self.scene.outdoors.as_ref().map(|outdoors| SkyLight::of(outdoors, &self.lighting));
+        FrameInput { exposure: self.exposure, tone_map, sky, ..FrameInput::new(camera, SIZE) }
+    }
+
+    /// A floor and a slab that stands on it, under a clear sky with the sun in the south-east.
+    fn under_the_sky() -> Self {
+        let obj = "mtllib a.mtl\nusemtl white\nv 0 0 0\nv 6 0 0\nv 6 0 -6\nv 0 0 -6\nf 1 2 3 4\n\
+            v 1 0 -2\nv 2 0 -2\nv 2 3 -2\nv 1 3 -2\nf 5 6 7 8\n";
+        let sidecar = "unit = \"m\"\n[daylight]\nsun = [35, 150]\nsky = \"clear\"\n[[material]]\n\
+            name = \"white\"\nsides = \"both\"\n";
+        let mtl = "newmtl white\nKd .5 .5 .5\n";
+        let scene = from_text("floor", obj, mtl, Some(sidecar)).expect("a good model");
+        let settings = MeshSettings { target: PatchTarget::Count(200), ..MeshSettings::default() };
+        let mesh = build(&scene, &settings).expect("it has surfaces");
+        let mut lit = Self::new(scene, mesh, Shading::Gouraud);
+        // Surfaces as bright as under a sky.
+        for value in lit.radiosity.iter_mut().flatten() {
+            *value *= 60.0;
+        }
+        lit.exposure = Exposure { ev100: 13.0 };
+        lit
     }
 
     fn still(&self, frame: &FrameInput) -> Vec<u8> {
+        self.still_layers(frame).to_rgba8()
+    }
+
+    fn still_layers(&self, frame: &FrameInput) -> Still {
         let picker = Picker::new(&self.mesh);
         let input = StillInput {
             mesh: &self.display,
@@ -82,10 +116,11 @@ impl Lit {
             textures: &self.scene.textures,
             corner_radiosity: &self.radiosity,
             corner_irradiance: &self.irradiance,
+            sky: SkyView::of(&self.scene, &self.lighting),
         };
         let mut options = StillOptions::new(frame.size_px, frame.exposure, frame.tone_map);
         options.background = frame.background;
-        render_still(&input, &frame.camera, &options, &|_| true).expect("not cancelled").to_rgba8()
+        render_still(&input, &frame.camera, &options, &|_| true).expect("not cancelled")
     }
 }
 
@@ -156,6 +191,115 @@ fn view_and_still_agree_on_the_embedded_scenes() {
             assert!(difference < 0.01, "{name}, {}: {difference}", view.name);
         }
     }
+}
+
+/// A camera in the model under the sky that looks in a direction.
+fn towards(forward: DVec3) -> Camera {
+    Camera { eye: DVec3::new(3.0, 1.6, -1.0), forward: forward.normalize(), up: DVec3::Y, fov_y_deg: 70.0 }
+}
+
+#[test]
+fn view_and_still_agree_on_the_sky() {
+    let Some(gpu) = gpu() else { return };
+    let room = Lit::under_the_sky();
+    let mut renderer = room.renderer(&gpu);
+    let to_sun = room.scene.outdoors.as_ref().expect("a sky").to_sun();
+    let views = [
+        // Across the edge of the map, with the horizon, a slab and the floor before it.
+        ("north", DVec3::new(-0.3, -0.05, -1.0)),
+        ("sun", to_sun),
+        ("zenith", DVec3::new(0.001, 1.0, 0.0)),
+        ("ground", DVec3::new(0.4, -0.5, 1.0)),
+    ];
+    for (name, forward) in views {
+        for multisample in [true, false] {
+            let tone_map = if multisample { ToneMap::Neutral } else { ToneMap::Filmic };
+            let frame = FrameInput { multisample, ..room.frame(towards(forward), tone_map) };
+            let shown = renderer.capture(&gpu.device, &gpu.queue, &frame).expect("readback");
+            let still = room.still_layers(&frame);
+            let coded = still.to_rgba8();
+            keep(&format!("sky-{name}-{multisample}-gpu.png"), &shown);
+            keep(&format!("sky-{name}-{multisample}-cpu.png"), &coded);
+            let difference = mean_difference(&shown, &coded);
+            println!("{name}, {multisample}: {:.3} %", 100.0 * difference);
+            assert!(difference < 0.005, "{name}: {difference}");
+            // Every pixel of the sky, but for the edges of horizon and sun.
+            let pixels = shown.chunks_exact(4).zip(coded.chunks_exact(4)).zip(&still.coverage);
+            let off = pixels.filter(|((a, b), covered)| **covered == 0.0 && a[1].abs_diff(b[1]) > 2).count();
+            let most = still.coverage.len() / 100;
+            assert!(off < most, "{name}: {off} pixels of the sky differ");
+        }
+    }
+    // The disc stands out of the bright sky around it, where the sun is.
+    let mut frame = room.frame(towards(to_sun + DVec3::new(0.2, 0.1, 0.0)), ToneMap::Linear);
+    frame.exposure = frame.exposure.brighter(-6.0);
+    let shown = renderer.capture(&gpu.device, &gpu.queue, &frame).expect("readback");
+    let at = frame.camera.project(frame.camera.eye + to_sun, SIZE).expect("in front");
+    let white: Vec<DVec2> = (0..SIZE[0] * SIZE[1])
+        .filter(|&i| shown[4 * i as usize] > 128)
+        .map(|i| DVec2::new(f64::from(i % SIZE[0]), f64::from(i / SIZE[0])) + 0.5)
+        .collect();
+    let middle = white.iter().sum::<DVec2>() / white.len() as f64;
+    assert!((2..12).contains(&white.len()), "{} pixels of the disc", white.len());
+    assert!(middle.distance(at) < 0.7, "{middle} and {at}");
+}
+
+#[test]
+fn the_sky_of_a_still_is_the_radiance_outdoors() {
+    let mut room = Lit::under_the_sky();
+    let frame = room.frame(towards(DVec3::new(0.6, 0.2, 0.8)), ToneMap::Linear);
+    let outdoors = room.scene.outdoors.clone().expect("a sky");
+    let still = room.still_layers(&frame);
+    let mut compared = 0;
+    for index in (0..still.radiance.len()).step_by(97) {
+        let pixel = DVec2::new((index % SIZE[0] as usize) as f64, (index / SIZE[0] as usize) as f64) + 0.5;
+        let direction = frame.camera.ray(pixel, SIZE).direction;
+        let edge = direction.y.abs() < 0.02 || direction.distance(outdoors.to_sun()) < 0.03;
+        if still.coverage[index] > 0.0 || edge {
+            continue;
+        }
+        let expected = outdoors.radiance(direction);
+        for seen in still.radiance[index] {
+            assert!((f64::from(seen) / expected - 1.0).abs() < 5e-3, "{seen} and {expected} at {direction}");
+        }
+        assert_eq!((still.patch_id[index], still.depth[index]), (lumenwalk::mesh::NO_PATCH, 0.0));
+        compared += 1;
+    }
+    assert!(compared > 200, "{compared}");
+    room.lighting.lamps.iter_mut().for_each(|lamp| lamp.on = false);
+    let dark = room.still_layers(&frame);
+    let sky = |still: &Still| {
+        let pixels = still.radiance.iter().zip(&still.display).zip(&still.coverage);
+        pixels.filter(|(_, covered)| **covered == 0.0).map(|((l, d), _)| l[1] + d[1]).sum::<f32>()
+    };
+    assert!(sky(&still) > 1000.0 && sky(&dark) == 0.0, "{} and {}", sky(&still), sky(&dark));
+}
+
+#[test]
+fn the_sky_follows_its_lamps_and_stays_out_of_false_colours() {
+    let Some(gpu) = gpu() else { return };
+    let room = Lit::under_the_sky();
+    let mut renderer = room.renderer(&gpu);
+    let lit = room.frame(towards(DVec3::new(0.6, 1.2, 0.8)), ToneMap::Linear);
+    let mean = |renderer: &mut ViewportRenderer, frame: &FrameInput, columns: std::ops::Range<usize>| {
+        let shown = renderer.capture(&gpu.device, &gpu.queue, frame).expect("readback");
+        let row = &shown[4 * 20 * SIZE[0] as usize..][..4 * SIZE[0] as usize];
+        let count = columns.len() as f64;
+        columns.map(|x| f64::from(row[4 * x + 1])).sum::<f64>() / count
+    };
+    let (all, left, right) = (0..SIZE[0] as usize, 0..150, 170..SIZE[0] as usize);
+    assert!(mean(&mut renderer, &lit, all.clone()) > 60.0);
+    let off = FrameInput { sky: Some(SkyLight::default()), ..lit };
+    assert!(mean(&mut renderer, &off, all.clone()) < 1.0, "switched off");
+    let background = FrameInput { sky: None, ..lit };
+    let expected = f64::from(srgb_encode(lit.background[1]) * 255.0);
+    assert!((mean(&mut renderer, &background, all.clone()) - expected).abs() < 1.0);
+    let normals = FrameInput { source: ColourSource::Normals, ..lit };
+    assert!((mean(&mut renderer, &normals, all) - expected).abs() < 1.0, "no sky beside normals");
+    // A stored light has its own sky.
+    let split = FrameInput { split: Some(0.5), stored_sky: Some(SkyLight::default()), ..lit };
+    assert!(mean(&mut renderer, &split, left) < 1.0);
+    assert!(mean(&mut renderer, &split, right) > 60.0);
 }
 
 #[test]
@@ -267,6 +411,7 @@ fn stills_have_all_layers_and_can_be_given_up() {
         textures: &room.scene.textures,
         corner_radiosity: &room.radiosity,
         corner_irradiance: &room.irradiance,
+        sky: None,
     };
     let camera = camera(&room.scene);
     let options = StillOptions::new([64, 40], room.exposure, ToneMap::Linear);

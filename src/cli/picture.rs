@@ -1,7 +1,7 @@
 use super::failure::Failure;
 use super::progress::ProgressLine;
 use crate::display::{
-    DisplayMesh, Exposure, Shading, ToneMap, even_light, luminance, meter, openness, white_balance,
+    DisplayMesh, Exposure, Shading, SkyView, ToneMap, even_light, luminance, meter, openness, white_balance,
 };
 use crate::effects::Effect;
 use crate::export::ExportError;
@@ -45,6 +45,7 @@ pub(super) struct Studio<'a> {
     picker: Picker,
     corners: StillLight,
     gains: [f32; 3],
+    sky: Option<SkyView<'a>>,
 }
 
 /// The scene in plain even light.
@@ -63,6 +64,7 @@ impl<'a> Studio<'a> {
         Self {
             corners: StillLight::new(&mesh, even.as_ref().unwrap_or(light), Shading::Gouraud),
             gains: white_balance(&solved.scene, &[lighting]),
+            sky: SkyView::of(&solved.scene, lighting),
             picker: Picker::new(&solved.mesh),
             solved,
             light,
@@ -121,7 +123,7 @@ impl<'a> Studio<'a> {
         exposure: Exposure,
         progress: impl FnMut(f64) + Send,
     ) -> Result<Still, Failure> {
-        let input = corners.input(&self.mesh, &self.picker, &self.solved.scene.textures);
+        let input = corners.input(&self.mesh, &self.picker, &self.solved.scene.textures, self.sky);
         let options =
             StillOptions { gains: self.gains, ..StillOptions::new(size, exposure, ToneMap::default()) };
         let progress = Mutex::new(progress);

@@ -1,4 +1,4 @@
-//! From patch values to what is shown: vertex radiosity, exposure, tone maps and false colours.
+//! From patch values to what is shown: vertex radiosity, the sky, exposure, tone maps and false colours.
 //!
 //! Nothing here flows back: exposure and tone maps are applied to what is drawn and never to a
 //! stored radiosity.
@@ -9,6 +9,7 @@ mod detail;
 mod even_light;
 mod false_colour;
 mod mesh;
+mod sky_view;
 mod tone;
 mod vertices;
 mod weights;
@@ -19,4 +20,5 @@ pub use detail::Detail;
 pub use even_light::{even_light, openness};
 pub use false_colour::{FalseColour, NO_VALUE, Tick, patch_illuminance, patch_luminance};
 pub use mesh::{Batch, DisplayCorner, DisplayMesh, Shading};
+pub use sky_view::{Panorama, SkyLight, SkyView};
 pub use tone::{Exposure, ToneMap, luminance, meter, srgb_decode, srgb_encode};

@@ -13,7 +13,7 @@ pub struct StillLayers<'a> {
     pub width: u32,
     /// Pixels down.
     pub height: u32,
-    /// Linear R, G, B, W/(m² sr): the picture itself.
+    /// Linear R, G, B, W/(m² sr): the picture itself, a sky where no surface is seen included.
     pub radiance: &'a [[f32; 3]],
     /// Irradiance of the surface seen, W/m² per band; zero where nothing is seen.
     pub irradiance: &'a [[f32; 3]],

@@ -46,6 +46,14 @@ impl Camera {
         DVec2::new(y * f64::from(size_px[0].max(1)) / f64::from(size_px[1].max(1)), y)
     }
 
+    /// What the picture spans at distance 1: half its width to the right, half its height upwards, and the unit
+    /// vector forward.
+    pub fn image_plane(&self, size_px: [u32; 2]) -> [DVec3; 3] {
+        let [right, up, forward] = self.axes();
+        let half = self.half_extents(size_px);
+        [right * half.x, up * half.y, forward]
+    }
+
     /// Clip space from positions relative to `origin`: y up, depth reversed (1 at distance `near`,
     /// 0 at infinity), as wgpu wants it. `near` in metres, above zero.
     pub fn clip_from_local(&self, origin: DVec3, size_px: [u32; 2], near: f64) -> DMat4 {
@@ -61,10 +69,9 @@ impl Camera {
     /// The ray through a point of the picture. `pixel` counts from the upper left corner, the
     /// centre of the first pixel being (0.5, 0.5). The direction is of unit length.
     pub fn ray(&self, pixel: DVec2, size_px: [u32; 2]) -> Ray {
-        let [right, up, forward] = self.axes();
-        let half = self.half_extents(size_px);
-        let x = (2.0 * pixel.x / f64::from(size_px[0].max(1)) - 1.0) * half.x;
-        let y = (1.0 - 2.0 * pixel.y / f64::from(size_px[1].max(1))) * half.y;
+        let [right, up, forward] = self.image_plane(size_px);
+        let x = 2.0 * pixel.x / f64::from(size_px[0].max(1)) - 1.0;
+        let y = 1.0 - 2.0 * pixel.y / f64::from(size_px[1].max(1));
         Ray { origin: self.eye, direction: (forward + right * x + up * y).normalize() }
     }
 

@@ -1,5 +1,5 @@
 use super::in_detail;
-use crate::display::{DisplayMesh, Shading};
+use crate::display::{DisplayMesh, Shading, SkyView};
 use crate::export::{ExportError, StillLayers, write_exr, write_png};
 use crate::render::{Picker, Still, StillInput};
 use crate::scene::Texture;
@@ -24,12 +24,13 @@ impl StillLight {
     }
 
     /// What a still is rendered from; `mesh` is the one that the light was spread to, `picker` of
-    /// the same patches.
+    /// the same patches, `sky` of the same scene.
     pub fn input<'a>(
         &'a self,
         mesh: &'a DisplayMesh,
         picker: &'a Picker,
         textures: &'a [Texture],
+        sky: Option<SkyView<'a>>,
     ) -> StillInput<'a> {
         StillInput {
             mesh,
@@ -37,6 +38,7 @@ impl StillLight {
             textures,
             corner_radiosity: &self.corner_radiosity,
             corner_irradiance: &self.corner_irradiance,
+            sky,
         }
     }
 }

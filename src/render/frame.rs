@@ -1,4 +1,4 @@
-use crate::display::{Exposure, FalseColour, ToneMap};
+use crate::display::{Exposure, FalseColour, SkyLight, ToneMap};
 use crate::navigation::Camera;
 
 /// What colours the surfaces.
@@ -34,8 +34,13 @@ pub struct FrameInput {
     pub highlight: Option<u32>,
     /// Draw sides without patches in dark grey; otherwise one looks through them into the rooms.
     pub show_unlit: bool,
-    /// Display-linear colour where there is no surface, 0..1.
+    /// Display-linear colour where there is neither a surface nor a sky, 0..1.
     pub background: [f32; 3],
+    /// How strongly sky and sun of the scene shine, where there is no surface; acts on
+    /// [`ColourSource::Radiosity`] alone. `None`, or a scene without daylight, shows the background.
+    pub sky: Option<SkyLight>,
+    /// The same left of `split`; `sky` where it is `None`.
+    pub stored_sky: Option<SkyLight>,
     /// Where the present light begins, as a share of the width from the left; left of it the stored
     /// light is drawn. `None` draws the present light alone.
     pub split: Option<f32>,
@@ -56,6 +61,8 @@ impl FrameInput {
             highlight: None,
             show_unlit: false,
             background: [0.02, 0.02, 0.022],
+            sky: None,
+            stored_sky: None,
             split: None,
             multisample: true,
         }

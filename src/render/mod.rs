@@ -7,6 +7,7 @@ mod frame;
 mod gpu;
 mod pick;
 mod pipelines;
+mod sky;
 mod still;
 mod target;
 mod textures;

@@ -204,7 +204,12 @@ impl Pipelines {
     }
 }
 
-fn texture_entry(binding: u32) -> wgpu::BindGroupLayoutEntry {
+/// The value of `TONE_MAP` in tone.wgsl.
+pub(super) fn tone_index(tone_map: ToneMap) -> f64 {
+    ToneMap::ALL.iter().position(|&map| map == tone_map).unwrap_or(0) as f64
+}
+
+pub(super) fn texture_entry(binding: u32) -> wgpu::BindGroupLayoutEntry {
     wgpu::BindGroupLayoutEntry {
         binding,
         visibility: wgpu::ShaderStages::FRAGMENT,
@@ -217,7 +222,7 @@ fn texture_entry(binding: u32) -> wgpu::BindGroupLayoutEntry {
     }
 }
 
-fn sampler_entry(binding: u32) -> wgpu::BindGroupLayoutEntry {
+pub(super) fn sampler_entry(binding: u32) -> wgpu::BindGroupLayoutEntry {
     wgpu::BindGroupLayoutEntry {
         binding,
         visibility: wgpu::ShaderStages::FRAGMENT,
@@ -255,7 +260,6 @@ fn scene_pipeline(
         buffers.push(Some(scalar));
     }
     let (vertex, fragment) = pass.entry_points();
-    let index = ToneMap::ALL.iter().position(|&map| map == key.tone_map).unwrap_or(0);
     device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
         label: Some(fragment),
         layout: Some(layout),
@@ -291,7 +295,7 @@ fn scene_pipeline(
             module,
             entry_point: Some(fragment),
             compilation_options: wgpu::PipelineCompilationOptions {
-                constants: &[("TONE_MAP", index as f64)],
+                constants: &[("TONE_MAP", tone_index(key.tone_map))],
                 ..Default::default()
             },
             targets: &[Some(wgpu::ColorTargetState {
@@ -305,20 +309,21 @@ fn scene_pipeline(
     })
 }
 
+/// Parses and validates a shader behind tone.wgsl like the browser would: no optional capability.
+#[cfg(test)]
+pub(super) fn validate(name: &str, source: &str) {
+    use wgpu::naga::{front, valid};
+    let source = [TONE, source].concat();
+    let module = front::wgsl::parse_str(&source)
+        .unwrap_or_else(|error| panic!("{name}: {}", error.emit_to_string(&source)));
+    valid::Validator::new(valid::ValidationFlags::all(), valid::Capabilities::empty())
+        .validate(&module)
+        .unwrap_or_else(|error| panic!("{name}: {}", error.emit_to_string(&source)));
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
-    use wgpu::naga;
-
-    /// Parses and validates like the browser would: no optional capability.
-    fn validate(name: &str, source: &str) {
-        let source = [TONE, source].concat();
-        let module = naga::front::wgsl::parse_str(&source)
-            .unwrap_or_else(|error| panic!("{name}: {}", error.emit_to_string(&source)));
-        naga::valid::Validator::new(naga::valid::ValidationFlags::all(), naga::valid::Capabilities::empty())
-            .validate(&module)
-            .unwrap_or_else(|error| panic!("{name}: {}", error.emit_to_string(&source)));
-    }
 
     #[test]
     fn the_shaders_are_valid() {

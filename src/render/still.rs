@@ -1,5 +1,5 @@
 use super::{Pick, Picker};
-use crate::display::{DisplayMesh, Exposure, ToneMap, srgb_encode};
+use crate::display::{DisplayMesh, Exposure, SkyView, ToneMap, srgb_encode};
 use crate::mesh::NO_PATCH;
 use crate::navigation::Camera;
 use crate::scene::Texture;
@@ -21,6 +21,8 @@ pub struct StillInput<'a> {
     pub corner_radiosity: &'a [[f32; 3]],
     /// [`DisplayMesh::corner_values`] of the irradiances, one a lit corner.
     pub corner_irradiance: &'a [[f32; 3]],
+    /// What is seen where there is no surface; the background of the options where it is `None`.
+    pub sky: Option<SkyView<'a>>,
 }
 
 /// How a still is taken.
@@ -36,7 +38,7 @@ pub struct StillOptions {
     pub tone_map: ToneMap,
     /// Factors per band of [`Still::display`], above zero: eyes that have adapted to the lamps.
     pub gains: [f32; 3],
-    /// Display-linear colour where there is no surface, 0..1.
+    /// Display-linear colour where there is neither a surface nor a sky, 0..1.
     pub background: [f32; 3],
 }
 
@@ -54,9 +56,11 @@ pub struct Still {
     pub width: u32,
     /// Pixels down.
     pub height: u32,
-    /// Radiance B / pi averaged over the pixel, W/(m² sr) per band; background counts as zero.
+    /// Radiance averaged over the pixel, W/(m² sr) per band: B / pi of surfaces, and that of sky, ground and sun
+    /// where there is none. A background counts as zero.
     pub radiance: Vec<[f32; 3]>,
-    /// Share of the pixel that shows a surface, 0..1.
+    /// Share of the pixel that shows a surface, 0..1. A sky is none: with this as its alpha a picture can be put
+    /// before another one.
     pub coverage: Vec<f32>,
     /// Exposed, tone-mapped, then averaged: display-linear 0..1, background included.
     pub display: Vec<[f32; 3]>,
@@ -145,12 +149,17 @@ impl StillInput<'_> {
         for sample in 0..samples * samples {
             let at = DVec2::new((sample % samples).into(), (sample / samples).into()) + 0.5;
             let ray = camera.ray(corner + at / f64::from(samples), size_px);
-            let Some(pick) = self.picker.pick(&ray) else {
-                add(&mut pixel.display, options.background, share);
-                continue;
+            let radiosity = match (self.picker.pick(&ray), self.sky) {
+                (Some(pick), _) => {
+                    pixel.coverage += share;
+                    self.radiosity(&pick)
+                }
+                (None, Some(sky)) => sky.radiosity(ray.direction),
+                (None, None) => {
+                    add(&mut pixel.display, options.background, share);
+                    continue;
+                }
             };
-            let radiosity = self.radiosity(&pick);
-            pixel.coverage += share;
             add(&mut pixel.radiance, radiosity, share / PI);
             add(
                 &mut pixel.display,

@@ -1,7 +1,8 @@
 use super::pipelines::CornerVertex;
+use super::sky::{SkyBindings, UploadedSky};
 use super::textures;
 use crate::display::{Batch, DisplayMesh};
-use crate::scene::Texture;
+use crate::scene::{Outdoors, Texture};
 use glam::DVec3;
 use std::ops::Range;
 use wgpu::util::DeviceExt as _;
@@ -36,6 +37,7 @@ pub struct UploadedMesh {
     pub(super) edge_indices: u32,
     /// One for each of the scene's textures.
     pub(super) textures: Vec<wgpu::BindGroup>,
+    pub(super) sky: Option<UploadedSky>,
 }
 
 /// What colours the lit corners, one value a corner.
@@ -84,6 +86,7 @@ pub struct MeshUploader {
     texture_layout: wgpu::BindGroupLayout,
     /// Images repeated beyond their borders, and those whose borders go on.
     texture_samplers: [wgpu::Sampler; 2],
+    sky: SkyBindings,
 }
 
 impl MeshUploader {
@@ -92,15 +95,21 @@ impl MeshUploader {
         queue: wgpu::Queue,
         texture_layout: wgpu::BindGroupLayout,
         texture_samplers: [wgpu::Sampler; 2],
+        sky: SkyBindings,
     ) -> Self {
-        Self { device, queue, texture_layout, texture_samplers }
+        Self { device, queue, texture_layout, texture_samplers, sky }
     }
 
-    /// Uploads a mesh with the scene's textures.
+    /// Uploads a mesh with the scene's textures and its daylight.
     ///
     /// # Errors
     /// A buffer larger than the device allows.
-    pub fn upload(&self, mesh: &DisplayMesh, textures: &[Texture]) -> Result<UploadedMesh, UploadError> {
+    pub fn upload(
+        &self,
+        mesh: &DisplayMesh,
+        textures: &[Texture],
+        outdoors: Option<&Outdoors>,
+    ) -> Result<UploadedMesh, UploadError> {
         let corners: Vec<CornerVertex> = mesh
             .corners
             .iter()
@@ -138,6 +147,7 @@ impl MeshUploader {
             edges: buffer("patch borders", bytemuck::cast_slice(&mesh.edges), index),
             edge_indices: 2 * mesh.edges.len() as u32,
             textures: textures.iter().map(|image| self.texture_bindings(image, largest)).collect(),
+            sky: outdoors.map(|outdoors| UploadedSky::new(&self.device, &self.queue, &self.sky, outdoors)),
         })
     }
 

@@ -1,12 +1,13 @@
 use super::frame::{ColourSource, FrameInput};
 use super::gpu::{GpuError, read_texture};
 use super::pipelines::{FrameUniform, Pass, Pipelines, SceneKey};
+use super::sky::{SkyPipelines, UploadedSky};
 use super::target::Target;
 use super::textures;
 use super::upload::{MeshUploader, UploadError, UploadedMesh, Values};
-use crate::display::DisplayMesh;
+use crate::display::{DisplayMesh, SkyLight};
 use crate::mesh::NO_PATCH;
-use crate::scene::Texture;
+use crate::scene::{Outdoors, Texture};
 use glam::DVec3;
 
 /// Draws a lit mesh with wgpu, into a panel of a window or into memory.
@@ -17,6 +18,7 @@ use glam::DVec3;
 /// after the tone map, where the eye sees them.
 pub struct ViewportRenderer {
     pipelines: Pipelines,
+    skies: SkyPipelines,
     target_format: wgpu::TextureFormat,
     frame_buffer: wgpu::Buffer,
     frame_bindings: wgpu::BindGroup,
@@ -69,6 +71,7 @@ impl ViewportRenderer {
             ],
         });
         Self {
+            skies: SkyPipelines::new(device, &pipelines.frame_layout),
             pipelines,
             target_format,
             frame_buffer,
@@ -83,7 +86,8 @@ impl ViewportRenderer {
     /// What uploads meshes for this renderer, from any thread.
     pub fn uploader(&self, device: &wgpu::Device, queue: &wgpu::Queue) -> MeshUploader {
         let (layout, samplers) = (self.pipelines.texture_layout.clone(), self.texture_samplers.clone());
-        MeshUploader::new(device.clone(), queue.clone(), layout, samplers)
+        let sky = self.skies.bindings().clone();
+        MeshUploader::new(device.clone(), queue.clone(), layout, samplers, sky)
     }
 
     /// Draws this mesh from now on; it is dark until light is set. Takes no time to speak of.
@@ -91,7 +95,7 @@ impl ViewportRenderer {
         self.mesh = Some(mesh);
     }
 
-    /// Uploads a mesh with the scene's textures and adopts it. On an error the mesh before it stays.
+    /// Uploads a mesh with the scene's textures and its daylight, and adopts it. On an error the mesh before it stays.
     ///
     /// # Errors
     /// As [`MeshUploader::upload`].
@@ -101,8 +105,9 @@ impl ViewportRenderer {
         queue: &wgpu::Queue,
         mesh: &DisplayMesh,
         textures: &[Texture],
+        outdoors: Option<&Outdoors>,
     ) -> Result<(), UploadError> {
-        let uploaded = self.uploader(device, queue).upload(mesh, textures)?;
+        let uploaded = self.uploader(device, queue).upload(mesh, textures, outdoors)?;
         self.adopt(uploaded);
         Ok(())
     }
@@ -150,6 +155,10 @@ impl ViewportRenderer {
         self.make_ready(device, frame);
         let [surfaces, .., lines] = passes(frame);
         queue.write_buffer(&self.frame_buffer, 0, bytemuck::bytes_of(&self.frame_uniform(frame, size_px)));
+        if let Some((sky, light)) = self.sky_of(frame) {
+            sky.prepare(queue, frame, light, size_px, border(frame, size_px[0]));
+            self.skies.prepare(device, frame.tone_map, samples(frame));
+        }
         let mut encoder =
             device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("viewport") });
         self.draw(&mut encoder, frame, surfaces, lines);
@@ -170,6 +179,12 @@ impl ViewportRenderer {
             let layout = &self.pipelines.texture_layout;
             self.target = Some(Target::new(device, layout, &self.picture_sampler, size_px, samples));
         }
+    }
+
+    /// The sky that a frame shows, and how strongly.
+    fn sky_of(&self, frame: &FrameInput) -> Option<(&UploadedSky, SkyLight)> {
+        let sky = self.mesh.as_ref()?.sky.as_ref()?;
+        Some((sky, frame.sky.filter(|_| frame.source == ColourSource::Radiosity)?))
     }
 
     fn frame_uniform(&self, frame: &FrameInput, size_px: [u32; 2]) -> FrameUniform {
@@ -226,11 +241,7 @@ impl ViewportRenderer {
         let Some(mesh) = &self.mesh else { return };
         pass.set_bind_group(0, &self.frame_bindings, &[]);
         let [width, height] = target.size_px;
-        let Some(split) = frame.split else {
-            self.draw_mesh(&mut pass, frame, mesh, &mesh.present, surfaces, lines);
-            return;
-        };
-        let border = (split.clamp(0.0, 1.0) * width as f32).round() as u32;
+        let border = border(frame, width);
         for (values, left, right) in [(&mesh.stored, 0, border), (&mesh.present, border, width)] {
             if left < right {
                 pass.set_scissor_rect(left, 0, right - left, height);
@@ -271,6 +282,10 @@ impl ViewportRenderer {
         if frame.show_unlit && !mesh.unlit.is_empty() {
             select(pass, Pass::Unlit);
             pass.draw_indexed(mesh.unlit.clone(), 0, 0..1);
+        }
+        // Behind surfaces, and before lines that reach over their edges.
+        if let Some((sky, _)) = self.sky_of(frame) {
+            self.skies.draw(pass, sky, (frame.tone_map, samples(frame)));
         }
         if frame.wireframe && mesh.edge_indices > 0 {
             select(pass, lines);
@@ -337,6 +352,11 @@ impl ViewportRenderer {
         queue.submit([scene, encoder.finish()]);
         read_texture(device, queue, &texture)
     }
+}
+
+/// Where the present light begins, pixels from the left.
+fn border(frame: &FrameInput, width: u32) -> u32 {
+    frame.split.map_or(0, |split| (split.clamp(0.0, 1.0) * width as f32).round() as u32)
 }
 
 fn samples(frame: &FrameInput) -> u32 {

@@ -4,7 +4,7 @@
 use super::command::SaveKind;
 use super::picture::Prepared;
 use super::state::Edits;
-use crate::display::{Exposure, Shading, ToneMap};
+use crate::display::{Exposure, Shading, SkyView, ToneMap};
 use crate::export::{ExportError, write_png};
 use crate::navigation::Camera;
 use crate::outputs::{
@@ -280,7 +280,8 @@ pub(super) fn pictures_folder() -> PathBuf {
 fn save_picture_of(path: &Path, job: &SaveJob) -> Result<(), ExportError> {
     let (prepared, kind) = (&job.prepared, StillKind::of(path).unwrap_or(StillKind::Exr));
     let light = StillLight::new(&prepared.display, &job.light, job.shading);
-    let input = light.input(&prepared.display, &prepared.picker, &prepared.scene.textures);
+    let sky = SkyView::of(&prepared.scene, &job.lighting);
+    let input = light.input(&prepared.display, &prepared.picker, &prepared.scene.textures, sky);
     let options =
         StillOptions { gains: job.gains, ..StillOptions::new(job.size_px, job.exposure, job.tone_map) };
     match render_still(&input, &job.camera, &options, &|_| true) {

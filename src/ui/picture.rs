@@ -106,7 +106,8 @@ impl Built {
         uploader: Option<&MeshUploader>,
     ) -> Self {
         let prepared = Arc::new(Prepared::build(serial, scene, mesh, smooth, elements));
-        let uploaded = uploader.map(|u| u.upload(&prepared.display, &prepared.scene.textures));
+        let Prepared { display, scene, .. } = &*prepared;
+        let uploaded = uploader.map(|u| u.upload(display, &scene.textures, scene.outdoors.as_ref()));
         Self { prepared, uploaded }
     }
 }

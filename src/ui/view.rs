@@ -8,10 +8,10 @@ use super::overlay::Notice;
 use super::panels::Commands;
 use super::state::Quantity;
 use super::{banners, input, legend, luminaires, marks, outline, overlay, picture, theme};
-use crate::display::NO_VALUE;
+use crate::display::{NO_VALUE, SkyLight};
 use crate::navigation::Camera;
 use crate::render::{ColourSource, FrameInput, Pick};
-use crate::scene::SceneSource;
+use crate::scene::{Lighting, SceneSource};
 use crate::solve::Stage;
 use egui::{CursorIcon, PointerButton, Rect, Sense, Vec2};
 use glam::DVec2;
@@ -243,7 +243,13 @@ impl App {
         let moving = self.camera.as_ref().is_some_and(|c| c.is_moving())
             || self.exposure.is_moving()
             || self.touring.is_some();
+        let sky = |lighting: &Lighting| {
+            let outdoors = self.picture.prepared.as_ref()?.scene.outdoors.as_ref()?;
+            Some(SkyLight::of(outdoors, lighting).amplified(self.gains))
+        };
         let frame = FrameInput {
+            sky: sky(&self.edits.lighting),
+            stored_sky: self.picture.kept().and_then(|kept| sky(&kept.lighting)),
             source,
             exposure: self.exposure_in_force(),
             tone_map: display.tone_map,

@@ -34,7 +34,13 @@ pub(in crate::ui) fn show(ui: &mut egui::Ui, model: &Model<'_>, out: &mut Comman
     ui.add_space(2.0);
     for (index, (luminaire, &state)) in scene.luminaires.iter().zip(&model.edits.lighting.lamps).enumerate() {
         let full_lumens = model.full_lumens.get(index).copied().unwrap_or(0.0);
-        let lamp = Lamp { index, luminaire, full_lumens };
+        let outdoors = scene.outdoors.as_ref();
+        let measure = match outdoors.map(|out| [out.sky, out.sun].map(|lamp| lamp as usize == index)) {
+            Some([true, _]) => Measure::Outside,
+            Some([_, true]) => Measure::FacingIt,
+            _ => Measure::Flux,
+        };
+        let lamp = Lamp { index, luminaire, full_lumens, measure };
         ui.push_id(index, |ui| lamp_row(ui, model, lamp, state, out));
     }
 }
@@ -60,8 +66,8 @@ fn lamp_row(ui: &mut egui::Ui, model: &Model<'_>, lamp: Lamp<'_>, state: LampSta
             let mut percent = state.dimmer * 100.0;
             let slider = Slider::new(&mut percent, 0.0..=100.0).show_value(false);
             let dimmer = ui.add_enabled(state.on, slider).accessible_name(format!("Dim {name}"));
-            let dimmer =
-                dimmer.on_hover_text(format!("{percent:.0} %  -  {} lm", units::digits(lamp.lumens(state))));
+            let (amount, unit) = (units::digits(lamp.amount(state)), lamp.measure.unit());
+            let dimmer = dimmer.on_hover_text(format!("{percent:.0} %  -  {amount} {unit}"));
             if dimmer.changed() {
                 new.dimmer = (percent / 100.0).clamp(0.0, 1.0);
             }
@@ -82,6 +88,32 @@ fn lamp_row(ui: &mut egui::Ui, model: &Model<'_>, lamp: Lamp<'_>, state: LampSta
     }
 }
 
+/// How the light of a lamp is told.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Measure {
+    /// Lumens.
+    Flux,
+    /// Of the sky: lux on an unobstructed horizontal surface.
+    Outside,
+    /// Of the sun: lux on a surface that faces it.
+    FacingIt,
+}
+
+impl Measure {
+    fn unit(self) -> &'static str {
+        match self {
+            Self::Flux => "lm",
+            Self::Outside => "lx outside",
+            Self::FacingIt => "lx facing it",
+        }
+    }
+
+    /// What a screen reader calls the amount.
+    fn name(self) -> &'static str {
+        if self == Self::Flux { "Lumens" } else { "Lux" }
+    }
+}
+
 /// A lamp of the scene and its luminous flux at full output as it comes with the file, lm.
 #[derive(Clone, Copy)]
 struct Lamp<'a> {
@@ -89,17 +121,18 @@ struct Lamp<'a> {
     index: usize,
     luminaire: &'a Luminaire,
     full_lumens: f64,
+    measure: Measure,
 }
 
 impl Lamp<'_> {
-    /// Luminous flux as switched and dimmed, lm.
-    fn lumens(&self, state: LampState) -> f64 {
+    /// Light as switched and dimmed: luminous flux in lm, or lux for sky and sun.
+    fn amount(&self, state: LampState) -> f64 {
         let initial = luminance_weighted(self.luminaire.initial.exitance);
         let now = luminance_weighted(state.output());
-        if initial > 0.0 {
-            self.full_lumens * now / initial
-        } else {
-            LUMINOUS_EFFICACY * now * self.luminaire.area
+        match self.measure {
+            Measure::Flux if initial > 0.0 => self.full_lumens * now / initial,
+            Measure::Flux => LUMINOUS_EFFICACY * now * self.luminaire.area,
+            Measure::Outside | Measure::FacingIt => LUMINOUS_EFFICACY * now,
         }
     }
 }
@@ -161,19 +194,20 @@ fn colour_menu(ui: &mut egui::Ui, lamp: Lamp<'_>, state: LampState, new: &mut La
     ui.horizontal(|ui| {
         ui.label("Full output");
         let full = LampState { on: true, dimmer: 1.0, ..state };
-        let before = lamp.lumens(full);
+        let before = lamp.amount(full);
         let shown = before.round();
         let mut wanted = shown;
         let drag = egui::DragValue::new(&mut wanted)
             .range(0.0..=1e7)
             .speed((before * 0.01).max(0.1))
-            .suffix(" lm")
+            .suffix(format!(" {}", lamp.measure.unit()))
             .max_decimals(0);
-        let drag = ui.add(drag).accessible_name(format!("Lumens of {name}"));
+        let drag = ui.add(drag).accessible_name(format!("{} of {name}", lamp.measure.name()));
         if drag.changed() && wanted != shown {
             new.exitance = if before > 0.0 {
                 state.exitance.map(|e| e * (wanted / before).max(1e-6))
             } else {
+                // A square metre for sky and sun, so that this is lux.
                 [wanted / (LUMINOUS_EFFICACY * lamp.luminaire.area.max(1e-9)); 3]
             };
         }
@@ -183,4 +217,26 @@ fn colour_menu(ui: &mut egui::Ui, lamp: Lamp<'_>, state: LampState, new: &mut La
             new.exitance = lamp.luminaire.initial.exitance;
         }
     });
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scene::from_text;
+
+    #[test]
+    fn sky_and_sun_are_told_in_lux() {
+        let obj = "v 0 0 0\nv 4 0 0\nv 4 0 -4\nv 0 0 -4\nf 1 2 3 4\n";
+        let sidecar = "[daylight]\nsun = [35, 150]\nlux = [75000, 12000]\n";
+        let scene = from_text("floor", obj, "", Some(sidecar)).unwrap();
+        let told = |index: usize, measure: Measure| {
+            let luminaire = &scene.luminaires[index];
+            let lamp = Lamp { luminaire, full_lumens: 0.0, measure };
+            let dimmed = LampState { dimmer: 0.5, ..luminaire.initial };
+            [luminaire.initial, dimmed]
+                .map(|state| format!("{} {}", units::digits(lamp.amount(state)), measure.unit()))
+        };
+        assert_eq!(told(0, Measure::Outside), ["12,000 lx outside", "6,000 lx outside"]);
+        assert_eq!(told(1, Measure::FacingIt), ["75,000 lx facing it", "37,500 lx facing it"]);
+    }
 }
