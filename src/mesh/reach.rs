@@ -125,7 +125,8 @@ impl Sources {
                 lamps.push((point, towards));
             }
         }
-        let outdoors = scene.outdoors.clone();
+        let shines = |out: &&Outdoors| out.sky_exitance() > 0.0 || out.sun_exitance() > 0.0;
+        let outdoors = scene.outdoors.as_ref().filter(shines).cloned();
         Self { lamps, lamp_tangents, outdoors, lit_points: Vec::new(), offset: size * OFFSET }
     }
 
@@ -172,13 +173,19 @@ impl Sources {
         // facets around a place that is lit through a gap.
         let search = Search { scene, outlines, sheets, sources: self };
         let dark = search.dark_shells(&shells, Some(&reached), how, &mut watch.part(0.6, 0.7))?;
-        watch.part(0.7, 1.0).map(&reached, |index, both| {
+        let mut reached = watch.part(0.7, 1.0).map(&reached, |index, both| {
             let shell = shells.of_region[index].map_or([false; 2], |shell| dark[shell as usize]);
             [Side::Front, Side::Back].map(|side| match both[side as usize] {
                 Reach::Dark if !shell[side as usize] => search.side(index, side, how),
                 known => known,
             })
-        })
+        })?;
+        if !reached.iter().flatten().any(|&reach| reach == Reach::Lit) {
+            // What shines meets nothing: every side is kept, as where nothing shines.
+            let dark = reached.iter_mut().flatten().filter(|reach| **reach == Reach::Dark);
+            dark.for_each(|reach| *reach = Reach::Lit);
+        }
+        Ok(reached)
     }
 }
 
@@ -256,6 +263,15 @@ impl<'a> Search<'a> {
         met
     }
 
+    /// Whether the sun shines on a point just before a surface that faces `normal`.
+    fn sees_sun(&self, origin: DVec3, normal: DVec3) -> bool {
+        let Some(outdoors) = &self.sources.outdoors else { return false };
+        let direction = outdoors.to_sun();
+        outdoors.sun_exitance() > 0.0
+            && normal.dot(direction) > 0.0
+            && self.sheets.nearest(&Ray { origin, direction }).is_none()
+    }
+
     /// A place that light from outside meets, and the side that it is on, where the one that the path tries is such.
     fn lit_from_outside(&self, path: u64) -> Option<(usize, DVec3)> {
         let key = (1 << 51) + path;
@@ -271,8 +287,9 @@ impl<'a> Search<'a> {
         let frame = self.frame(side);
         let direction = frame.world(cosine_from(unit(key, 1), unit(key, 2)));
         let origin = point + frame.normal * self.sources.offset;
-        let is_lit =
-            self.sources.shines_from(direction) && self.sheets.nearest(&Ray { origin, direction }).is_none();
+        let is_lit = self.sees_sun(origin, frame.normal)
+            || self.sources.shines_from(direction)
+                && self.sheets.nearest(&Ray { origin, direction }).is_none();
         is_lit.then_some((side, point))
     }
 
@@ -485,6 +502,9 @@ impl<'a> Search<'a> {
                 {
                     return true;
                 }
+            }
+            if self.sees_sun(point, frame.normal) {
+                return true;
             }
             let direction = frame.world(cosine_from(unit(key, 1), unit(key, 2)));
             let Some(hit) = self.sheets.nearest(&Ray { origin: point, direction }) else {
