@@ -16,7 +16,7 @@ const ROOMS: &[(&str, &str)] = &[
     ("effects", "mesh scene geometry"),
     ("visibility", "mesh geometry watch"),
     ("emitters", "visibility mesh scene daylight photometry geometry"),
-    ("direct", "emitters visibility mesh geometry watch"),
+    ("direct", "emitters visibility mesh scene geometry watch"),
     ("form_factors", "visibility effects mesh scene geometry watch"),
     ("transport", "form_factors mesh scene geometry watch"),
     ("solver", "transport form_factors effects mesh scene geometry watch"),

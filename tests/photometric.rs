@@ -307,8 +307,8 @@ fn the_independent_witness_sees_the_same_lamps() {
     let found = study::audit(&solved, &scene.lighting(), &asked, &|| false).expect("lit").budget;
     let percent = |error: f64| 100.0 * error;
     println!("{:.2} %, patch averages {:.2} %", percent(found.total.error), percent(found.averages.error));
-    assert!(found.averages.error < 0.015, "patch averages are off by {}", found.averages.error);
-    assert!(found.total.error < 0.04, "the picture is off by {}", found.total.error);
+    assert!(found.averages.error < 0.006, "patch averages are off by {}", found.averages.error);
+    assert!(found.total.error < 0.015, "the picture is off by {}", found.total.error);
 }
 
 #[test]

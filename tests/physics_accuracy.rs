@@ -9,8 +9,7 @@ use lumenwalk::accuracy::{
 };
 use lumenwalk::display::DisplayMesh;
 use lumenwalk::effects::Effect;
-use lumenwalk::form_factors::closed_form::point_to_polygon;
-use lumenwalk::form_factors::{Method, ReceivingPoints};
+use lumenwalk::form_factors::{Method, ReceivingPoints, closed_form::point_to_polygon};
 use lumenwalk::mesh::{PatchTarget, Side};
 use lumenwalk::scene::{Lighting, Scene, luminance_weighted};
 use lumenwalk::solve::{Solution, SolveSettings};
@@ -52,23 +51,17 @@ impl Case {
     }
 
     fn witness(&self) -> Witness<'_> {
-        Witness::new(&Answer {
-            mesh: &self.solved.mesh,
-            transport: self.solved.transport.as_deref().expect("solved"),
-            light: &self.light,
-            exitance: &self.exitance,
-            lighting: &self.lighting,
-            reflectance: &self.solved.reflectance,
-            shown: &self.shown,
-        })
+        let Self { solved, lighting, light, exitance, shown } = self;
+        let (mesh, reflectance) = (&*solved.mesh, &*solved.reflectance);
+        let transport = solved.transport.as_deref().expect("solved");
+        Witness::new(&Answer { mesh, transport, light, exitance, lighting, reflectance, shown })
     }
 
     /// Patches on which errors count.
     fn receivers(&self) -> Vec<u32> {
         let patches = &self.solved.mesh.patches;
-        (0..patches.len() as u32)
-            .filter(|&i| patches[i as usize].luminaire.is_none() && !patches[i as usize].buried)
-            .collect()
+        let counts = |&i: &u32| patches[i as usize].luminaire.is_none() && !patches[i as usize].buried;
+        (0..patches.len() as u32).filter(counts).collect()
     }
 
     /// Irradiance at a point from the lamps alone, nothing standing between: closed form.
@@ -79,10 +72,8 @@ impl Case {
             .zip(&self.exitance)
             .filter(|(_, e)| e[1] > 0.0)
             .map(|(lamp, &e)| {
-                let pieces = mesh.pieces_of(lamp);
-                let f: f64 =
-                    pieces.map(|p| point_to_polygon(point, normal, &mesh.polygon(p, Side::Front))).sum();
-                luminance(e) * f
+                let of = |p| point_to_polygon(point, normal, &mesh.polygon(p, Side::Front));
+                luminance(e) * mesh.pieces_of(lamp).map(of).sum::<f64>()
             })
             .sum()
     }

@@ -23,6 +23,7 @@ mod refinement;
 mod regions;
 mod shells;
 mod sizing;
+mod sources;
 mod stretches;
 mod survey;
 mod types;

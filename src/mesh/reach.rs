@@ -8,9 +8,10 @@
 use super::backing::{Backing, Sheets};
 use super::regions::Outline;
 use super::shells::Shells;
+use super::sources::{OFFSET, Sources};
 use super::types::{Patch, Side};
 use crate::geometry::{Frame, Ray, polygon};
-use crate::scene::{Outdoors, PhotometricSource, Scene, Sides};
+use crate::scene::{Scene, Sides};
 use crate::watch::{Cancelled, Watch};
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
@@ -22,11 +23,6 @@ const BOUNCES: u64 = 4;
 /// This many paths must find light: a single one may have slipped through the seam of two faces.
 const ENOUGH: u32 = 2;
 
-/// Points on all lamps together, about, and on one of them at least and at most: of a lamp that is half built in,
-/// some must lie outside.
-const LAMP_POINTS: usize = 512;
-const POINTS_PER_LAMP: [usize; 2] = [3, 24];
-
 /// Paths from the lamps, and the points that each has at most.
 const LAMP_PATHS: u64 = 2048;
 const LAMP_BOUNCES: u64 = 64;
@@ -37,9 +33,6 @@ const LIT_POINTS: usize = 4;
 
 /// Lit points that a patch is held against before it counts as buried.
 const NEAR_POINTS: usize = 64;
-
-/// Paths and rays start so far before a surface, as a share of the scene's size.
-const OFFSET: f64 = 1e-7;
 
 /// How light and a side stand to each other.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -91,55 +84,7 @@ pub(super) struct Search<'a> {
     sources: &'a Sources,
 }
 
-/// Where light is known to come from.
-pub(super) struct Sources {
-    /// Points on lamps with the direction that they shine to.
-    lamps: Vec<(DVec3, DVec3)>,
-    lamp_tangents: Vec<DVec3>,
-    /// The sky and the ground beyond the model, where they shine: what escapes finds light.
-    outdoors: Option<Outdoors>,
-    /// Points on lit sides with the direction that they face, where the search had to find them.
-    lit_points: Vec<(DVec3, DVec3)>,
-    /// Paths and rays start so far before a surface, metres.
-    offset: f64,
-}
-
 impl Sources {
-    /// The lamps of a scene of some `size`, metres; no other side is known to be lit.
-    pub(super) fn new(scene: &Scene, outlines: &[Outline], size: f64) -> Self {
-        let (mut lamps, mut lamp_tangents) = (Vec::new(), Vec::new());
-        let shining = || outlines.iter().filter(|outline| outline.luminaire.is_some());
-        let [least, most] = POINTS_PER_LAMP;
-        let per_lamp = (LAMP_POINTS / shining().count().max(1)).clamp(least, most);
-        for outline in shining() {
-            let points: Vec<DVec3> =
-                sample_points(outline, per_lamp).into_iter().map(|point| outline.world(point)).collect();
-            for sign in [1.0, -1.0].into_iter().take(if outline.emits_back { 2 } else { 1 }) {
-                lamp_tangents.extend(points.iter().map(|_| outline.frame.tangent));
-                lamps.extend(points.iter().map(|&point| (point, outline.frame.normal * sign)));
-            }
-        }
-        for source in scene.photometric_sources() {
-            for (point, towards) in openings(&source, outlines) {
-                lamp_tangents.push(source.place.frame.tangent);
-                lamps.push((point, towards));
-            }
-        }
-        let shines = |out: &&Outdoors| out.sky_exitance() > 0.0 || out.sun_exitance() > 0.0;
-        let outdoors = scene.outdoors.as_ref().filter(shines).cloned();
-        Self { lamps, lamp_tangents, outdoors, lit_points: Vec::new(), offset: size * OFFSET }
-    }
-
-    /// Whether nothing shines.
-    fn is_dark(&self) -> bool {
-        self.lamps.is_empty() && self.outdoors.is_none()
-    }
-
-    /// Whether light comes from outside of the model in this direction.
-    fn shines_from(&self, direction: DVec3) -> bool {
-        self.outdoors.as_ref().is_some_and(|outdoors| outdoors.radiance(direction) > 0.0)
-    }
-
     /// For every region how its front and its back stand to light; remembers points that are lit.
     ///
     /// # Errors
@@ -517,34 +462,6 @@ impl<'a> Search<'a> {
     }
 }
 
-/// Points of the opening of a luminaire that shines by its photometry, with the directions that they face: none
-/// where its surfaces face all that it lights.
-fn openings(source: &PhotometricSource, outlines: &[Outline]) -> Vec<(DVec3, DVec3)> {
-    /// Less of the flux on a side lights nothing there.
-    const LEAST: f64 = 1e-3;
-    let own = || outlines.iter().filter(|outline| outline.luminaire == Some(source.luminaire));
-    let down = -source.place.frame.normal;
-    let share = source.downward_share;
-    let faces = source.opening();
-    if own().next().is_some() {
-        // Behind a flat face that is none of them; inside of a closed body nothing is lit.
-        let is_flat = own().all(|outline| outline.frame.normal.dot(down) > 0.99 && !outline.emits_back);
-        let is_behind = is_flat && 1.0 - share > LEAST;
-        return if is_behind { vec![(source.place.centre, -down)] } else { Vec::new() };
-    }
-    if faces.len() > 1 {
-        let middle = |face: &Vec<DVec3>| face.iter().sum::<DVec3>() / face.len() as f64;
-        return faces
-            .iter()
-            .map(|face| (middle(face), polygon::area_vector(face).normalize_or(down)))
-            .collect();
-    }
-    let mut points = vec![source.place.centre];
-    points.extend(faces.iter().flatten().map(|corner| 0.5 * (*corner + source.place.centre)));
-    let sides = [(down, share), (-down, 1.0 - share)].into_iter().filter(|side| side.1 > LEAST);
-    sides.flat_map(|(towards, _)| points.iter().map(move |&point| (point, towards))).collect()
-}
-
 /// Up to [`LIT_POINTS`] of these points, each as far from those before as can be: a floor may run
 /// through several rooms.
 fn spread(points: &[DVec3]) -> Vec<DVec3> {
@@ -566,7 +483,7 @@ fn unit(key: u64, dimension: u64) -> f64 {
 }
 
 /// Points inside the outline: in the triangles of its parts, spread by area.
-fn sample_points(outline: &Outline, count: usize) -> Vec<DVec2> {
+pub(super) fn sample_points(outline: &Outline, count: usize) -> Vec<DVec2> {
     let mut points = Vec::with_capacity(count);
     let step = outline.area / count as f64;
     let mut due = 0.5 * step;

@@ -2,8 +2,9 @@
 
 use super::backing::{Backing, Sheets};
 use super::build::{Backs, MeshError, MeshSettings, PatchTarget};
-use super::reach::{LightSearch, Reach, Sources};
+use super::reach::{LightSearch, Reach};
 use super::regions::{self, Outline};
+use super::sources::Sources;
 use super::types::Side;
 use crate::scene::{Extent, Scene};
 use crate::watch::Watch;
