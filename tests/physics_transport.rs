@@ -39,7 +39,8 @@ fn both_transports_agree_on_all_embedded_scenes() {
         [("hemicube", 900, 0.004), ("cornell", 900, 0.004), ("gallery", 1500, 0.01), ("house", 1500, 0.02)]
     {
         let scene = builtin(name);
-        let [matrix, tree] = [TransportKind::Matrix, TransportKind::Tree].map(|k| solved(&scene, &by(k, patches)));
+        let [matrix, tree] =
+            [TransportKind::Matrix, TransportKind::Tree].map(|k| solved(&scene, &by(k, patches)));
         let [a, b] = [&matrix, &tree].map(|solved| solved.transport.as_ref().expect("whole"));
         assert_eq!([a.kind(), b.kind()], [TransportKind::Matrix, TransportKind::Tree]);
         let off = difference(&tree, &matrix);
@@ -89,7 +90,10 @@ fn what_is_sent_arrives_patch_by_patch() {
     let mut sent = vec![0.0; tree.len()];
     for i in 0..tree.len() {
         let row = tree.row(i);
-        assert!(row.is_sorted_by_key(|entry| entry.0) && row.iter().all(|entry| entry.1 > 0.0 && entry.0 != i as u32));
+        assert!(
+            row.is_sorted_by_key(|entry| entry.0)
+                && row.iter().all(|entry| entry.1 > 0.0 && entry.0 != i as u32)
+        );
         let sum: f64 = row.iter().map(|entry| entry.1).sum::<f64>() + tree.own(i);
         assert!((sum / tree.area(i) - tree.row_sum(i)).abs() < 1e-7, "row {i}");
         for (j, value) in row {
@@ -161,7 +165,11 @@ fn all_answers_of_a_transport_are_those_of_its_rows() {
     }
 }
 
-fn whole(run: &mut Run<'_>, prepared: &Prepared, rows: &mut RowStore) -> Option<(Arc<dyn Transport>, LightBases)> {
+fn whole(
+    run: &mut Run<'_>,
+    prepared: &Prepared,
+    rows: &mut RowStore,
+) -> Option<(Arc<dyn Transport>, LightBases)> {
     let system = system(prepared, &patch_reflectance(&prepared.mesh, &|_| None));
     run.first_light(prepared, &system, false, rows).ok()?;
     run.rows(prepared, &system, None, None, rows).ok()?;

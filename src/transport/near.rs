@@ -35,6 +35,16 @@ pub(super) fn is_close(a: &Patch, b: &Patch) -> bool {
         && a.centre.distance_squared(b.centre) < reach * reach
 }
 
+/// Within this many times the sum of their radii the two samples of a pair may differ in more than noise.
+const NEAR: f64 = 4.0;
+
+/// Whether both samples of a pair count even where rows are those of receivers: near pairs, as the centre of a large patch
+/// says little about small ones beside it, and those with a lamp, of which one side alone is trusted.
+pub(super) fn is_paired(computer: &RowComputer, a: &Patch, b: &Patch) -> bool {
+    let reach = NEAR * (a.radius + b.radius);
+    a.centre.distance_squared(b.centre) < reach * reach || trust(computer, a, b).contains(&0.0)
+}
+
 /// A lamp of less than this fraction of a receiver's radius judges the pair better than the receiver.
 const SMALL_LAMP: f64 = 0.25;
 

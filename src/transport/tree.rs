@@ -1,5 +1,6 @@
 //! Rows whose far ends are nodes of a tree over patches: each is collapsed as soon as it has come.
 
+mod bounce;
 mod judge;
 mod nodes;
 mod operator;
@@ -9,7 +10,7 @@ mod scalings;
 pub use judge::{NodeScratch, Sent};
 pub use plan::{NodeRow, TreePlan};
 
-use super::{AssembleReport, RowQuality};
+use super::{AssembleReport, RowQuality, near};
 use crate::form_factors::RowComputer;
 use crate::watch::{Cancelled, Watch};
 use nodes::Tree;
@@ -29,7 +30,9 @@ type Entry = (u32, f32);
 #[derive(Clone, Debug, Default)]
 pub struct TreeTransport {
     tree: Arc<Tree>,
-    rows: Vec<Box<[Entry]>>,
+    /// What each patch sees from afar, as its own row tells, and near it, as both rows of a pair tell.
+    far: Vec<Box<[Entry]>>,
+    near: Vec<Box<[Entry]>>,
     /// r.
     receivers: Vec<f64>,
     /// c.
@@ -47,8 +50,9 @@ pub struct TreeTransport {
 
 /// A patch that others send less than this share of what it should send itself was missed by their samples.
 const MISSED: f64 = 0.3;
-/// Share of the time by which what samples missed is mended.
-const MENDED: f64 = 0.2;
+/// Shares of the time by which near pairs are done, and what samples missed.
+const PAIRED: f64 = 0.2;
+const MENDED: f64 = 0.3;
 /// Transposed products add up in so many runs of rows, in order: the same bits whatever the thread count.
 const RUNS: usize = 8;
 
@@ -69,29 +73,34 @@ impl TreeTransport {
         let areas: Vec<f64> = patches.iter().map(|p| p.area).collect();
         let targets: Vec<f64> = rows.iter().zip(&areas).map(|(row, area)| area * row.target).collect();
         let tree = plan.tree();
+        let (near, squares) = paired(computer, plan, rows, &mut watch.part(0.0, PAIRED))?;
         let taken: Vec<Box<[Entry]>> = rows.iter_mut().map(|row| std::mem::take(&mut row.entries)).collect();
-        let mut exchange = Rows { tree, rows: taken };
-        let before = exchange.mend(&targets);
+        let mut exchange = Rows { tree, far: taken, near };
+        let mended = exchange.mend(&targets);
         let scaled = watch
             .done(MENDED)
             .and_then(|()| scalings::scaled(&exchange, &areas, &targets, &mut watch.part(MENDED, 1.0)));
         let scaled = match scaled {
             Ok(scaled) => scaled,
             Err(Cancelled) => {
-                exchange.undo(before);
-                rows.iter_mut().zip(exchange.rows).for_each(|(row, entries)| row.entries = entries);
+                rows.iter_mut().zip(exchange.far).for_each(|(row, entries)| row.entries = entries);
                 return Err(Cancelled);
             }
         };
-        let mended = before.len();
-        let report = report(rows, &scaled, &areas, mended);
+        let mut report = report(rows, &scaled, &areas);
+        let of_near: f64 = squares.iter().zip(&areas).map(|(&square, area)| area * f64::from(square)).sum();
+        let of_near = of_near / areas.iter().sum::<f64>().max(f64::MIN_POSITIVE);
+        report.joined_error = (report.joined_error.powi(2) + of_near).sqrt();
+        report.mended = mended;
         let quality = rows.iter().map(|row| row.quality).collect();
         rows.clear();
         let Scalings { receivers, senders, own, sums, .. } = scaled;
-        let entries = exchange.rows.iter().map(|row| row.len()).sum();
+        let Rows { far, near, .. } = exchange;
+        let entries = far.iter().chain(&near).map(|row| row.len()).sum();
         Ok(Self {
             tree: Arc::clone(tree),
-            rows: exchange.rows,
+            far,
+            near,
             receivers,
             senders,
             own,
@@ -103,9 +112,57 @@ impl TreeTransport {
             passes: Arc::default(),
         })
     }
+
+    /// What row `i` holds.
+    fn stored(&self, i: usize) -> impl Iterator<Item = Entry> + '_ {
+        self.far[i].iter().chain(&self.near[i]).copied()
+    }
 }
 
-fn report(rows: &[NodeRow], scaled: &Scalings, areas: &[f64], mended: usize) -> AssembleReport {
+/// The near pairs of all rows from both samples, as nodes again; and for each row the square of what that changes.
+fn paired(
+    computer: &RowComputer,
+    plan: &TreePlan,
+    rows: &[NodeRow],
+    watch: &mut Watch<'_>,
+) -> Result<(Vec<Box<[Entry]>>, Vec<f32>), Cancelled> {
+    let patches = &computer.mesh().patches;
+    // What others say of each patch, in rising order of those.
+    let mut said: Vec<Vec<(u32, f32)>> = vec![Vec::new(); rows.len()];
+    for (j, row) in (0_u32..).zip(rows) {
+        for &(i, value) in &row.near {
+            said[i as usize].push((j, value));
+        }
+    }
+    watch.done(0.1)?;
+    let found = watch.part(0.1, 1.0).map(&said, |i, said| {
+        let own = &rows[i].near;
+        let (mut a, mut b) = (0, 0);
+        let mut seen: Vec<(u32, f64)> = Vec::with_capacity(own.len());
+        while a < own.len() || b < said.len() {
+            let from_own = own.get(a).map_or(u32::MAX, |pair| pair.0);
+            let from_other = said.get(b).map_or(u32::MAX, |pair| pair.0);
+            let j = from_own.min(from_other);
+            let [of_own, of_other] = near::trust(computer, &patches[i], &patches[j as usize]);
+            let mut value = 0.0;
+            if from_own == j {
+                value += of_own * f64::from(own[a].1);
+                a += 1;
+            }
+            if from_other == j {
+                value += of_other * f64::from(said[b].1);
+                b += 1;
+            }
+            if value > 0.0 {
+                seen.push((j, value));
+            }
+        }
+        plan.joined(computer, i as u32, &seen, &mut NodeScratch::default())
+    })?;
+    Ok(found.into_iter().unzip())
+}
+
+fn report(rows: &[NodeRow], scaled: &Scalings, areas: &[f64]) -> AssembleReport {
     let near_one = |s: &f64| (s - 1.0).abs() < 0.01;
     let sums = rows.iter().map(|row| f64::from(row.quality.sampled_sum)).filter(near_one);
     let (gap, mean) = rows.iter().fold((0.0, 0.0), |(gap, mean), row| (gap + row.gap, mean + row.mean));
@@ -119,84 +176,71 @@ fn report(rows: &[NodeRow], scaled: &Scalings, areas: &[f64], mended: usize) -> 
         imbalance: scaled.imbalance,
         kept: scaled.kept,
         joined_error: (squares / areas.iter().sum::<f64>().max(f64::MIN_POSITIVE)).sqrt(),
-        mended,
+        mended: 0,
     }
 }
 
 /// Rows of exchange areas with nodes.
 struct Rows<'a> {
     tree: &'a Tree,
-    rows: Vec<Box<[Entry]>>,
+    far: Vec<Box<[Entry]>>,
+    near: Vec<Box<[Entry]>>,
 }
 
 impl Rows<'_> {
-    /// Gives patches that samples of others have missed what by reciprocity those see of them, as their own rows tell.
+    /// Gives patches that samples of others have missed what by reciprocity those see of them, as their own rows tell; how
+    /// many rows get something.
     ///
     /// A small patch falls between the lines of those that look at it from afar; where it is seen by few, all of them may
-    /// miss it. Its own row misses nothing. The rows that were changed, as they were before.
-    fn mend(&mut self, targets: &[f64]) -> Vec<(u32, Box<[Entry]>)> {
+    /// miss it. Its own row misses nothing.
+    fn mend(&mut self, targets: &[f64]) -> usize {
         let columns = self.transposed(&vec![1.0; targets.len()]);
         let mut additions: Vec<(u32, Entry)> = Vec::new();
-        for (j, (&column, &target)) in (0_u32..).zip(columns.iter().zip(targets)) {
-            if column >= MISSED * target || self.rows[j as usize].is_empty() {
+        for (j, (&column, &target)) in columns.iter().zip(targets).enumerate() {
+            if column >= MISSED * target {
                 continue;
             }
             let share = 1.0 - column / target;
-            for &(node, value) in &self.rows[j as usize] {
+            for &(node, value) in self.far[j].iter().chain(&self.near[j]) {
                 for &k in self.tree.patches(node) {
                     let back = share * f64::from(value) * self.tree.share(k, node);
-                    if k != j && back > 0.0 {
-                        additions.push((k, (self.tree.leaf(j), back as f32)));
+                    if k as usize != j && back > 0.0 {
+                        additions.push((k, (self.tree.leaf(j as u32), back as f32)));
                     }
                 }
             }
         }
         // By row, then by node.
         additions.sort_unstable_by_key(|&(row, (node, _))| (row, node));
-        let mut before = Vec::new();
+        let mut mended = 0;
         for added in additions.chunk_by(|a, b| a.0 == b.0) {
-            let own = &mut self.rows[added[0].0 as usize];
-            let mut entries = own.to_vec();
-            entries.extend(added.iter().map(|addition| addition.1));
-            entries.sort_by_key(|entry| entry.0);
-            entries.dedup_by(|next, entry| {
-                let same = next.0 == entry.0;
-                if same {
-                    entry.1 += next.1;
-                }
-                same
-            });
-            before.push((added[0].0, std::mem::replace(own, entries.into())));
+            let own = &mut self.near[added[0].0 as usize];
+            *own = own.iter().copied().chain(added.iter().map(|addition| addition.1)).collect();
+            mended += 1;
         }
-        before
-    }
-
-    fn undo(&mut self, before: Vec<(u32, Box<[Entry]>)>) {
-        for (i, entries) in before {
-            self.rows[i as usize] = entries;
-        }
+        mended
     }
 }
 
 impl Exchange for Rows<'_> {
     fn forward(&self, senders: &[f64]) -> Vec<f64> {
         let of_nodes = self.tree.means(senders);
-        let product = |row: &Box<[Entry]>| {
-            row.iter().map(|&(node, s)| f64::from(s) * of_nodes[node as usize]).sum::<f64>()
-        };
-        self.rows.par_iter().map(product).collect()
+        let product =
+            |row: &[Entry]| row.iter().map(|&(node, s)| f64::from(s) * of_nodes[node as usize]).sum::<f64>();
+        self.far.par_iter().zip(&self.near).map(|(far, near)| product(far) + product(near)).collect()
     }
 
     fn transposed(&self, receivers: &[f64]) -> Vec<f64> {
-        let size = self.rows.len().div_ceil(RUNS).max(1);
+        let size = self.far.len().div_ceil(RUNS).max(1);
         let runs: Vec<Vec<f64>> = self
-            .rows
+            .far
             .par_chunks(size)
+            .zip(self.near.par_chunks(size))
             .zip(receivers.par_chunks(size))
-            .map(|(rows, receivers)| {
+            .map(|((far, near), receivers)| {
                 let mut sums = vec![0.0; self.tree.len()];
-                for (row, &receiver) in rows.iter().zip(receivers).filter(|(_, r)| **r != 0.0) {
-                    for &(node, s) in row {
+                for ((far, near), &receiver) in far.iter().zip(near).zip(receivers) {
+                    for &(node, s) in far.iter().chain(near) {
                         sums[node as usize] += f64::from(s) * receiver;
                     }
                 }

@@ -7,14 +7,15 @@
 //! error plus a price per entry least: one price for all rows, found from some of them, such that the error of the
 //! whole is as asked.
 
+use super::bounce;
 use super::nodes::Tree;
 use crate::mesh::{Patch, PatchMesh};
-use glam::DVec3;
+use crate::watch::{Cancelled, Watch};
 
 /// Fields of what patches send that luminaires are judged by: where there are more, some share one.
-const LAMPS: usize = 12;
-/// What surfaces pass on is not known beforehand. It is smooth: over the extent of the scene it varies like its
-/// coordinates, and from side to side like the directions that they face.
+pub(super) const LAMPS: usize = 10;
+/// What surfaces pass on is known but roughly beforehand. What it may differ by is smooth: over the extent of the scene it
+/// varies like its coordinates, and from side to side like the directions that they face.
 const SMOOTH: usize = 6;
 pub(super) const FIELDS: usize = LAMPS + SMOOTH;
 /// How much of it differs over a tenth of the extent of the scene, and from one direction to another.
@@ -38,7 +39,7 @@ pub struct Sent<'a> {
     pub reach: &'a [f32],
 }
 
-type Field = [f64; FIELDS];
+type Field = [f32; FIELDS];
 
 /// Judges nodes. What patches send counts relative to the mean irradiance of each luminaire alone, with a
 /// reflectance of one, as materials may be given another at any time.
@@ -85,7 +86,16 @@ pub(super) struct Chosen {
 }
 
 impl Judge {
-    pub(super) fn new(mesh: &PatchMesh, tree: &Tree, sent: Sent<'_>) -> Self {
+    /// Learns what patches send.
+    ///
+    /// # Errors
+    /// The watch ended it.
+    pub(super) fn new(
+        mesh: &PatchMesh,
+        tree: &Tree,
+        sent: Sent<'_>,
+        watch: &mut Watch<'_>,
+    ) -> Result<Self, Cancelled> {
         let n = mesh.patches.len();
         let area: f64 = mesh.patches.iter().map(|p| p.area).sum::<f64>().max(f64::MIN_POSITIVE);
         let rho = mesh.patches.iter().map(|p| p.area * p.reflectance.iter().sum::<f64>() / 3.0).sum::<f64>();
@@ -112,13 +122,25 @@ impl Judge {
                 value[field] += direct(i, lamp) / mean;
             }
         }
-        // 2. What is passed on, and textures, which scale all.
+        // 2. What is passed on, roughly, and textures, which scale all.
+        let reflected: Vec<[f64; LAMPS]> = values
+            .iter()
+            .zip(&mesh.patches)
+            .map(|(value, p)| {
+                let rho = p.reflectance.iter().sum::<f64>() / 3.0;
+                std::array::from_fn(|f| rho * value[f])
+            })
+            .collect();
+        let passed_on = bounce::passed_on(mesh, tree, &reflected, watch)?;
         let extent = crate::geometry::Aabb::around(mesh.patches.iter().map(|p| p.centre)).size().length();
         let room = (ROOM * extent).max(f64::MIN_POSITIVE);
-        for (value, p) in values.iter_mut().zip(&mesh.patches) {
+        for ((value, p), passed_on) in values.iter_mut().zip(&mesh.patches).zip(&passed_on) {
             let texture = p.texture_average.iter().sum::<f64>() / 3.0;
-            value[..LAMPS].iter_mut().for_each(|v| *v = texture * (*v + rho));
-            let place = GRADIENT * rho * texture / room * (p.centre - DVec3::ZERO);
+            for (value, passed_on) in value.iter_mut().zip(passed_on) {
+                // Once reflected, and again and again.
+                *value = texture * (*value + passed_on / (1.0 - rho));
+            }
+            let place = GRADIENT * rho * texture / room * p.centre;
             let turn = TURN * rho * texture * p.normal;
             for axis in 0..3 {
                 value[LAMPS + axis] = place[axis];
@@ -150,7 +172,8 @@ impl Judge {
                 (None, None) => 0.0,
             };
         }
-        Self { means, most, reach: sent.reach.to_vec(), mean_area: area / n.max(1) as f64, price: 0.0 }
+        let mean_area = area / n.max(1) as f64;
+        Ok(Self { means, most, reach: sent.reach.to_vec(), mean_area, price: 0.0 })
     }
 
     /// The nodes that stand for the patches seen from patch `i`, at this price per entry.
@@ -176,14 +199,18 @@ impl Judge {
         else {
             return Chosen { entries, square: 0.0 };
         };
-        let lamps = found.errors[..LAMPS].iter().fold(0.0_f64, |a, e| a.max(e * e));
-        let smooth: f64 = found.errors[LAMPS..].iter().map(|e| e * e).sum();
-        Chosen { entries, square: lamps + smooth + found.mixed }
+        Chosen { entries, square: square_of(&found.errors) + found.mixed }
     }
 }
 
+/// The square of an error: of the luminaire for which it is largest, and of what is passed on.
+fn square_of(errors: &Field) -> f64 {
+    let lamps = errors[..LAMPS].iter().fold(0.0_f32, |a, e| a.max(e * e));
+    f64::from(lamps + errors[LAMPS..].iter().map(|e| e * e).sum::<f32>())
+}
+
 /// The field whose lamps share the least area with one more lamp.
-fn least_shared(mesh: &PatchMesh, values: &[Field], light: &dyn Fn(usize) -> f64) -> usize {
+fn least_shared(mesh: &PatchMesh, values: &[[f64; FIELDS]], light: &dyn Fn(usize) -> f64) -> usize {
     let mut shared = [0.0; LAMPS];
     for ((i, p), value) in mesh.patches.iter().enumerate().zip(values) {
         let own = light(i) * p.area;
@@ -250,10 +277,9 @@ impl Walk<'_> {
             return (most * most, [0.0; FIELDS]);
         }
         let mean = &self.judge.means[node as usize];
-        let errors: Field = std::array::from_fn(|f| found.sums[f] - found.factor * f64::from(mean[f]));
-        let lamps = errors[..LAMPS].iter().fold(0.0_f64, |a, e| a.max(e * e));
-        let smooth: f64 = errors[LAMPS..].iter().map(|e| e * e).sum();
-        (lamps + smooth, errors)
+        let factor = found.factor as f32;
+        let errors: Field = std::array::from_fn(|f| found.sums[f] - factor * mean[f]);
+        (square_of(&errors), errors)
     }
 
     fn leaf(&self, node: u32, seen: &[(u32, u32, f64)], entries: &mut Entries) -> Found {
@@ -266,7 +292,7 @@ impl Walk<'_> {
             })
         });
         entries.push((node, factor as f32));
-        let sums = std::array::from_fn(|f| factor * f64::from(mean[f]));
+        let sums = std::array::from_fn(|f| factor as f32 * mean[f]);
         Found { factor, sums, cost: self.price, square: 0.0, mixed: 0.0, errors: [0.0; FIELDS], alone }
     }
 }

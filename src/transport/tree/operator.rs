@@ -35,10 +35,12 @@ impl TreeTransport {
     #[inline]
     fn arriving(&self, i: usize, sent: &[Lanes]) -> Lanes {
         let mut sum = [0.0; LANES];
-        for &(node, s) in &self.rows[i] {
-            let (s, b) = (f64::from(s), &sent[node as usize]);
-            for lane in 0..LANES {
-                sum[lane] += s * b[lane];
+        for row in [&self.far[i], &self.near[i]] {
+            for &(node, s) in row {
+                let (s, b) = (f64::from(s), &sent[node as usize]);
+                for lane in 0..LANES {
+                    sum[lane] += s * b[lane];
+                }
             }
         }
         let scale = self.receivers[i] / self.areas[i];
@@ -47,13 +49,25 @@ impl TreeTransport {
 
     /// What patch `i` has of each of its entries: node and exchange area with its patches before they are scaled, m².
     fn scaled(&self, i: usize) -> impl Iterator<Item = Entry> + '_ {
-        self.rows[i].iter().copied().filter(move |_| self.receivers[i] > 0.0)
+        self.stored(i).filter(move |_| self.receivers[i] > 0.0)
     }
 
     /// S_ij by the entry of row i with a node that holds j, m².
     fn share(&self, i: usize, (node, s): Entry, j: u32) -> f64 {
         self.receivers[i] * f64::from(s) * self.tree.share(j, node) * self.senders[j as usize]
     }
+}
+
+/// Sorts values by what they are of and adds up those of one: near and far parts of a row may hold the same.
+fn in_order(values: &mut Vec<(u32, f64)>) {
+    values.sort_by_key(|value| value.0);
+    values.dedup_by(|next, value| {
+        let same = next.0 == value.0;
+        if same {
+            value.1 += next.1;
+        }
+        same
+    });
 }
 
 impl Transport for TreeTransport {
@@ -131,14 +145,7 @@ impl Transport for TreeTransport {
                         joined
                             .extend(shares[half as usize].iter().map(|&(part, value)| (part, share * value)));
                     }
-                    joined.sort_by_key(|entry| entry.0);
-                    joined.dedup_by(|next, entry| {
-                        let same = next.0 == entry.0;
-                        if same {
-                            entry.1 += next.1;
-                        }
-                        same
-                    });
+                    in_order(&mut joined);
                     joined
                 }
                 (None, None) => Vec::new(),
@@ -159,27 +166,19 @@ impl Transport for TreeTransport {
             .flat_map(|entry| self.tree.patches(entry.0).iter().map(move |&j| (j, self.share(i, entry, j))))
             .filter(|entry| entry.1 > 0.0)
             .collect();
-        row.sort_by_key(|entry| entry.0);
-        // What samples had missed was added to rows that may hold it in a node as well.
-        row.dedup_by(|next, entry| {
-            let same = next.0 == entry.0;
-            if same {
-                entry.1 += next.1;
-            }
-            same
-        });
+        in_order(&mut row);
         row
     }
 
     fn singles(&self, i: usize) -> Vec<(u32, f64)> {
         let single = |entry: Entry| self.tree.single(entry.0).map(|j| (j, self.share(i, entry, j)));
         let mut row: Vec<(u32, f64)> = self.scaled(i).filter_map(single).collect();
-        row.sort_by_key(|entry| entry.0);
+        in_order(&mut row);
         row
     }
 
     fn row_entries(&self, i: usize) -> usize {
-        self.rows[i].len()
+        self.far[i].len() + self.near[i].len()
     }
 
     fn kind(&self) -> TransportKind {
@@ -215,7 +214,7 @@ impl Transport for TreeTransport {
     }
 
     fn bytes(&self) -> usize {
-        let per_patch = 5 * size_of::<f64>() + size_of::<RowQuality>() + size_of::<Box<[Entry]>>();
+        let per_patch = 5 * size_of::<f64>() + size_of::<RowQuality>() + 2 * size_of::<Box<[Entry]>>();
         self.entries * size_of::<Entry>() + self.areas.len() * per_patch + self.tree.bytes()
     }
 

@@ -11,7 +11,7 @@ use std::sync::Arc;
 
 /// What collapsing rows may change about the irradiance that surfaces pass on, root mean square over the area, of the
 /// mean irradiance of any luminaire alone, where all reflect everything.
-const ERROR: f64 = 2e-3;
+const ERROR: f64 = 3e-3;
 /// Rows that are kept as they were sampled, to judge by and to hold others against.
 const PROBES: usize = 128;
 /// The price of an entry is sought between these, to this many halvings of its logarithm.
@@ -35,6 +35,8 @@ pub struct TreePlan {
 pub struct NodeRow {
     /// By node, rising; exchange areas, m².
     pub(super) entries: Box<[Entry]>,
+    /// By patch, rising, those of which the row of the other side is heard too; exchange areas, m².
+    pub(super) near: Box<[(u32, f32)]>,
     /// What the row is to sum to, 0 to 1.
     pub(super) target: f64,
     pub(super) quality: RowQuality,
@@ -50,7 +52,7 @@ pub struct NodeRow {
 impl NodeRow {
     /// Nodes that it holds.
     pub fn entries(&self) -> usize {
-        self.entries.len()
+        self.entries.len() + self.near.len()
     }
 }
 
@@ -75,14 +77,13 @@ impl TreePlan {
         let mesh = computer.mesh();
         let tree = Tree::new(mesh, watch.cancelled())?;
         watch.done(TREE)?;
-        let judge = Judge::new(mesh, &tree, sent);
+        let judge = Judge::new(mesh, &tree, sent, &mut watch.part(TREE, JUDGE))?;
         watch.done(JUDGE)?;
         let mut plan = Self { tree: Arc::new(tree), judge, probes };
         let mended: Vec<Vec<(u32, f64)>> =
             watch.part(JUDGE, 0.5 * (1.0 + JUDGE)).map(&plan.probes, |_, (i, row)| {
                 mended(row, &near::of_receiver(computer, (*i, row)), mesh.patches[*i as usize].area)
             })?;
-        let allowed: f64 = std::env::var("LW_ERR").ok().and_then(|s| s.parse().ok()).unwrap_or(ERROR);
         let [mut low, mut high] = PRICES.map(f64::ln);
         for step in 0..HALVINGS {
             let price = 0.5 * (low + high);
@@ -97,7 +98,7 @@ impl TreePlan {
             })?;
             let [area, square] =
                 squares.iter().fold([0.0; 2], |[a, s], [area, square]| [a + area, s + square]);
-            if square > allowed * allowed * area { high = price } else { low = price }
+            if square > ERROR * ERROR * area { high = price } else { low = price }
         }
         plan.judge.price = low.exp();
         Ok(plan)
@@ -125,19 +126,46 @@ impl TreePlan {
         let sealed = computer.rays().is_sealed();
         let target = near::row_target(computer, (i, row, row.sum()), &exchange, sealed);
         let seen = mended(row, &close, patch.area);
-        let seen = seen.into_iter().filter(|&(j, value)| j != i && value > 0.0);
-        let chosen = self.judge.choose(mesh, &self.tree, (i, self.judge.price), seen, scratch);
-        let in_area = |(node, factor): (u32, f32)| (node, (patch.area * f64::from(factor)) as f32);
+        let (mut near, mut far) = (Vec::new(), Vec::with_capacity(seen.len()));
+        for (j, value) in seen.into_iter().filter(|&(j, value)| j != i && value > 0.0) {
+            if near::is_paired(computer, patch, &mesh.patches[j as usize]) {
+                near.push((j, (patch.area * value) as f32));
+            } else {
+                far.push((j, patch.area * value));
+            }
+        }
+        let (entries, square) = self.joined(computer, i, &far, scratch);
         NodeRow {
-            entries: chosen.entries.into_iter().map(in_area).filter(|entry| entry.1 > 0.0).collect(),
+            entries,
+            near: near.into(),
             target,
             quality,
             gap,
             mean,
-            square: chosen.square as f32,
+            square,
             close_pairs: close.len() as u32,
             several_points: row.points.count() > 1,
         }
+    }
+
+    /// The nodes that stand for some patches seen from patch `i`, with exchange areas, m², and the square of what that
+    /// changes.
+    pub(super) fn joined(
+        &self,
+        computer: &RowComputer,
+        i: u32,
+        seen: &[(u32, f64)],
+        scratch: &mut NodeScratch,
+    ) -> (Box<[Entry]>, f32) {
+        let mesh = computer.mesh();
+        let area = mesh.patches[i as usize].area;
+        let seen = seen.iter().map(|&(j, value)| (j, value / area));
+        let chosen = self.judge.choose(mesh, &self.tree, (i, self.judge.price), seen, scratch);
+        let in_area = |(node, factor): Entry| (node, (area * f64::from(factor)) as f32);
+        (
+            chosen.entries.into_iter().map(in_area).filter(|entry| entry.1 > 0.0).collect(),
+            chosen.square as f32,
+        )
     }
 
     /// The row of patch `i` as patches again, each node divided by area: what is left to light a picture by.
@@ -147,8 +175,9 @@ impl TreePlan {
             let patches = self.tree.patches(node).iter();
             patches.map(move |&j| (j, (f64::from(value) / area * self.tree.share(j, node)) as f32))
         };
-        let mut seen: Vec<(u32, f32)> =
-            row.entries.iter().flat_map(divided).filter(|seen| seen.1 > 0.0).collect();
+        let near = row.near.iter().map(|&(j, value)| (j, (f64::from(value) / area) as f32));
+        let far = row.entries.iter().flat_map(divided).filter(|seen| seen.1 > 0.0);
+        let mut seen: Vec<(u32, f32)> = far.chain(near).collect();
         seen.sort_unstable_by_key(|seen| seen.0);
         let (patches, values) = seen.into_iter().unzip();
         Row { patches, values, points: ReceivingPoints::One, covered: 0, open: row.quality.open }
