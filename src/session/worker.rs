@@ -187,9 +187,6 @@ impl Worker<'_> {
             lit?;
             self.lay_out_elements(&prepared, &system)?;
             let direct = self.element_light().map(|elements| Arc::clone(&elements.given));
-            if let (None, Some(direct), Some(solution)) = (&standing, &direct, self.snapshot.solution_mut()) {
-                solution.bases = Arc::clone(direct);
-            }
             let lit = system.clone().with_direct(direct.as_ref());
             let mut known = std::mem::take(&mut self.state.rows);
             let elements = self.element_light().cloned();

@@ -26,6 +26,13 @@ impl Arriving {
         }
     }
 
+    /// The row of a patch is known, before it is taken.
+    pub(super) fn see(&mut self, system: &System, patch: u32, row_sum: f64) {
+        if let Self::Shot(shooter) = self {
+            shooter.see(system, patch, row_sum);
+        }
+    }
+
     /// The row of a patch has come.
     pub(super) fn take(&mut self, system: &System, patch: u32, row: &Row) {
         match self {
@@ -42,7 +49,15 @@ impl Arriving {
         }
     }
 
-    /// The picture so far.
+    /// The picture so far: with what is still to be passed on as if it were spread evenly.
+    pub(super) fn picture(&self, system: &System) -> LightBases {
+        match self {
+            Self::Shot(shooter) => shooter.picture(system),
+            Self::Refined(refiner) => refiner.bases().clone(),
+        }
+    }
+
+    /// What has arrived so far.
     pub(super) fn bases(&self) -> LightBases {
         match self {
             Self::Shot(shooter) => shooter.bases(),

@@ -170,7 +170,7 @@ pub struct Progress<'a> {
 /// Where a picture on the way is copied from.
 #[derive(Clone, Copy)]
 pub(super) enum Pictured<'a> {
-    Arriving(&'a Arriving),
+    Arriving(&'a Arriving, &'a System),
     Sweeps(&'a GaussSeidel, &'a System),
 }
 
@@ -178,7 +178,7 @@ impl Progress<'_> {
     /// The picture as it stands, if there is one; copies it.
     pub fn picture(&self) -> Option<LightBases> {
         Some(match self.picture? {
-            Pictured::Arriving(arriving) => arriving.bases(),
+            Pictured::Arriving(arriving, system) => arriving.picture(system),
             Pictured::Sweeps(solver, system) => solver.bases(system),
         })
     }
@@ -186,7 +186,7 @@ impl Progress<'_> {
     /// The radiosity that has not been passed on, while rows arrive in a dark scene; copies it.
     pub fn unshot(&self) -> Option<LightBases> {
         match self.picture? {
-            Pictured::Arriving(arriving) => arriving.unshot(),
+            Pictured::Arriving(arriving, _) => arriving.unshot(),
             Pictured::Sweeps(..) => None,
         }
     }

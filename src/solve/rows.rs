@@ -46,6 +46,9 @@ fn pass_on(
     known: &RowStore,
 ) {
     for &i in picked {
+        if let Some(sum) = known.sum(i) {
+            arriving.see(system, i, sum);
+        }
         if let Some(row) = known.raw(i) {
             arriving.take(system, i, row);
         } else if let Some(row) = known.expanded(computer, i) {
@@ -97,7 +100,7 @@ impl Run<'_> {
                 self.timings.first_light = self.timings.rows;
             }
             let fraction = ROWS_OF_LAMPS * done as f64 / lamps.len() as f64;
-            let picture = Some(Pictured::Arriving(&arriving));
+            let picture = Some(Pictured::Arriving(&arriving, system));
             let counts = (known.known(), n);
             self.tell(Stage::FirstLight, counts, (fraction, None), &[], picture, is_last)?;
         }
@@ -148,7 +151,18 @@ impl Run<'_> {
             self.plan_tree(prepared, system, elements, known)?;
             left_to_compute = n - known.known();
         }
+        let is_dark = standing.is_none();
         let mut arriving = Arriving::new(system, standing);
+        for i in 0..n as u32 {
+            if let Some(sum) = known.sum(i) {
+                arriving.see(system, i, sum);
+            }
+        }
+        if left_to_compute < n && is_dark {
+            // Direct light as it has been laid out since the last picture.
+            let picture = Some(Pictured::Arriving(&arriving, system));
+            self.tell(Stage::Rows, (n - left_to_compute, n), (ELEMENTS, None), &[], picture, true)?;
+        }
         let batch = computer.batch();
         let (mut done, mut computed) = (0, 0);
         while done < n {
@@ -173,7 +187,7 @@ impl Run<'_> {
                 let rows = elapsed * left_to_compute as f64 / computed as f64;
                 rows + (before + elapsed + rows) / 9.0
             });
-            let picture = Some(Pictured::Arriving(&arriving));
+            let picture = Some(Pictured::Arriving(&arriving, system));
             let counts = (n - left_to_compute, n);
             self.tell(Stage::Rows, counts, (fraction, left), &[], picture, false)?;
         }

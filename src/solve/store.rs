@@ -47,6 +47,12 @@ impl RowStore {
         Some(tree.plan.expanded(computer, i, tree.rows.get(i as usize)?.as_ref()?))
     }
 
+    /// What row `i` sums to as it was sampled, if it is there.
+    pub(super) fn sum(&self, i: u32) -> Option<f64> {
+        let collapsed = || Some(self.tree.as_ref()?.rows.get(i as usize)?.as_ref()?.sampled_sum());
+        self.raw(i).map(Row::sum).or_else(collapsed)
+    }
+
     pub(super) fn keep(&mut self, i: u32, row: Row) {
         self.raw[i as usize] = Some(row);
     }

@@ -3,7 +3,7 @@ use crate::form_factors::Row;
 
 /// Lights the scene row by row while form factors arrive (progressive refinement, Cohen et al.
 /// 1988): each row shoots its patch's unshot radiosity by reciprocity. Every state on the way is a
-/// picture, too dark by what has not been shot.
+/// picture, with what has not been shot spread evenly.
 #[derive(Clone, Debug)]
 pub struct Shooter {
     /// Irradiance so far, `[patch * columns + column]`.
@@ -11,6 +11,8 @@ pub struct Shooter {
     /// Radiosity not yet passed on.
     unshot: Vec<f32>,
     done: Vec<bool>,
+    /// Areas of the patches whose rows have been seen, each times the sum of its row, and by themselves.
+    seen: [f64; 2],
     columns: usize,
     bands: usize,
     lamps: usize,
@@ -38,6 +40,7 @@ impl Shooter {
             irradiance,
             unshot,
             done: vec![false; system.patches()],
+            seen: [0.0; 2],
             columns,
             bands: system.bands,
             lamps: system.lamps,
@@ -59,6 +62,13 @@ impl Shooter {
         }
         waiting.sort_unstable_by(order);
         waiting.into_iter().map(|(_, i)| i).collect()
+    }
+
+    /// Learns from the sum of a row how much of what is passed on stays in the scene.
+    pub fn see(&mut self, system: &System, patch: u32, row_sum: f64) {
+        let area = system.areas[patch as usize];
+        self.seen[0] += area * row_sum.min(1.0);
+        self.seen[1] += area;
     }
 
     /// Passes the unshot radiosity of `patch` on to all that its row sees.
@@ -83,9 +93,34 @@ impl Shooter {
         }
     }
 
-    /// The picture so far.
+    /// What has arrived so far.
     pub fn bases(&self) -> LightBases {
         self.with_values(self.irradiance.clone())
+    }
+
+    /// The picture so far: what has arrived, and what is unshot as if it came evenly from everywhere, reflected on for
+    /// ever (the ambient term of Cohen et al. 1988). In the mean it is as bright as the light will be.
+    pub fn picture(&self, system: &System) -> LightBases {
+        let stays = if self.seen[1] > 0.0 { self.seen[0] / self.seen[1] } else { 1.0 };
+        let area: f64 = system.areas.iter().sum();
+        let ambient: Vec<f32> = (0..self.columns)
+            .map(|c| {
+                let over_area = |value: &dyn Fn(usize) -> f64| {
+                    (0..self.done.len()).map(|i| system.areas[i] * value(i)).sum::<f64>() / area
+                };
+                let rho = over_area(&|i| system.rho(i, c));
+                let unshot = over_area(&|i| f64::from(self.unshot[i * self.columns + c]));
+                let ambient = stays * unshot / (1.0 - stays * rho);
+                if ambient.is_finite() { ambient as f32 } else { 0.0 }
+            })
+            .collect();
+        let mut values = self.irradiance.clone();
+        if self.columns > 0 {
+            for own in values.chunks_exact_mut(self.columns) {
+                own.iter_mut().zip(&ambient).for_each(|(h, ambient)| *h += ambient);
+            }
+        }
+        self.with_values(values)
     }
 
     /// Radiosity that has not been passed on, a luminaire each at unit white exitance: what is missing

@@ -98,7 +98,7 @@ impl Runs {
         }
         self.seen = Some(bases.clone());
         let error = match (snapshot.stage, &snapshot.unshot) {
-            (Stage::FirstLight | Stage::Rows, Some(unshot)) => missing(
+            (Stage::FirstLight | Stage::Rows, Some(unshot)) => guessed(
                 &mesh.patches,
                 light,
                 &unshot.sum(lighting, mesh.patches.len()),
@@ -163,9 +163,9 @@ impl Runs {
     }
 }
 
-/// What the picture on the way lacks, as a share of the mean irradiance that it will have: all unshot
-/// power, reflected on for ever with the mean reflectance, as if it were spread evenly.
-fn missing(
+/// What of the picture on the way is a guess, as a share of its mean irradiance: all unshot power, reflected on for ever
+/// with the mean reflectance, as if it were spread evenly. The picture holds it.
+fn guessed(
     patches: &[Patch],
     light: &PatchLight,
     unshot: &[[f32; 3]],
@@ -177,9 +177,9 @@ fn missing(
     };
     let area: f64 = patches.iter().map(|p| p.area).sum();
     let rho = (over_area(reflectance) / area).clamp(0.0, 0.99);
-    let lacks = over_area(unshot) / (1.0 - rho);
+    let guessed = over_area(unshot) / (1.0 - rho);
     let has = over_area(&light.irradiance);
-    (has + lacks > 0.0).then(|| lacks / (has + lacks))
+    (has > 0.0).then(|| (guessed / has).min(1.0))
 }
 
 /// RMS difference of two fields over the area, relative to the mean of the second.

@@ -2,6 +2,7 @@
 
 #[path = "../common/mod.rs"]
 mod common;
+mod leisure;
 mod watched;
 
 use common::{builtin, room_with_blocks, solved};

@@ -54,6 +54,11 @@ impl NodeRow {
     pub fn entries(&self) -> usize {
         self.entries.len() + self.near.len()
     }
+
+    /// What the row sums to as it was sampled.
+    pub fn sampled_sum(&self) -> f64 {
+        f64::from(self.quality.sampled_sum)
+    }
 }
 
 impl TreePlan {
