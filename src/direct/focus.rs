@@ -80,7 +80,7 @@ mod tests {
         let mesh = build(&scene, &settings).expect("a mesh");
         let light = DirectLight::new(&mesh, true);
         let exitance = vec![1.0; light.emitters().bases.len()];
-        let view = scene.views[0];
+        let view = &scene.views[0];
         let eye = view.eye;
         let forward = (view.target - eye).normalize();
         let laid_out = |focus: Option<Focus>| {

@@ -36,7 +36,7 @@ pub(super) fn is_close(a: &Patch, b: &Patch) -> bool {
 }
 
 /// Within this many times the sum of their radii the two samples of a pair may differ in more than noise.
-const NEAR: f64 = 4.0;
+const NEAR: f64 = 8.0;
 
 /// Whether both samples of a pair count even where rows are those of receivers: near pairs, as the centre of a large patch
 /// says little about small ones beside it, and those with a lamp, of which one side alone is trusted.
