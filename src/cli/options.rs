@@ -4,6 +4,7 @@ use crate::form_factors::{Method, ReceivingPoints};
 use crate::mesh::PatchTarget;
 use crate::scene::{FrameChoice, LengthUnit, SceneSource, UpAxis};
 use crate::solve::{DirectTarget, SolveSettings};
+use crate::transport::TransportKind;
 use clap::Args;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 use glam::DVec3;
@@ -99,6 +100,10 @@ pub(super) struct SolveOptions {
     /// Elements that direct light is laid out on at most, besides the triangles of the mesh [default: 200000]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(0..=4_000_000))]
     pub(super) elements: Option<u32>,
+    /// What carries light between patches: a matrix of all pairs, or rows that end at nodes of a tree over patches,
+    /// which take less memory [default: auto: the matrix where it is small]
+    #[arg(long, value_name = "KIND", value_parser = transports())]
+    pub(super) transport: Option<TransportKind>,
     /// Relative error bound at which the solve stops [default: 0.0001]
     #[arg(long, value_name = "T", value_parser = tolerance)]
     pub(super) tolerance: Option<f64>,
@@ -132,6 +137,7 @@ impl SolveOptions {
                 work: if self.elements.is_some() { u64::MAX } else { defaults.direct.work },
                 ..defaults.direct
             },
+            transport: self.transport.unwrap_or(defaults.transport),
             tolerance: self.tolerance.unwrap_or(defaults.tolerance),
             effects: self.effects.choices()?,
         })
@@ -164,6 +170,11 @@ fn axes() -> impl TypedValueParser<Value = UpAxis> {
 fn methods() -> impl TypedValueParser<Value = Method> {
     PossibleValuesParser::new(Method::ALL.map(Method::name))
         .map(|name| Method::ALL.into_iter().find(|method| method.name() == name).unwrap_or_default())
+}
+
+pub(super) fn transports() -> impl TypedValueParser<Value = TransportKind> {
+    PossibleValuesParser::new(TransportKind::ALL.map(TransportKind::name))
+        .map(|name| TransportKind::ALL.into_iter().find(|kind| kind.name() == name).unwrap_or_default())
 }
 
 fn receiving_points() -> impl TypedValueParser<Value = ReceivingPoints> {

@@ -1,9 +1,10 @@
 use super::failure::Failure;
 use super::lamps::{self, LampOptions};
-use super::options::{EffectOptions, FrameOptions, PatchOptions};
+use super::options::{EffectOptions, FrameOptions, PatchOptions, transports};
 use super::{solve, text};
 use crate::effects::{EffectPlan, EffectState};
-use crate::solve::{SolveSettings, prepare};
+use crate::solve::{SolveSettings, foreseen, prepare};
+use crate::transport::TransportKind;
 use clap::Args;
 
 /// Tell which effects a scene calls for, why, and what they cost
@@ -18,6 +19,10 @@ pub(super) struct Arguments {
     lamps: LampOptions,
     #[command(flatten)]
     patches: PatchOptions,
+    /// What carries light between patches: a matrix of all pairs, or rows that end at nodes of a tree over patches,
+    /// which take less memory [default: auto: the matrix where it is small]
+    #[arg(long, value_name = "KIND", value_parser = transports())]
+    transport: Option<TransportKind>,
     #[command(flatten)]
     effects: EffectOptions,
 }
@@ -27,7 +32,8 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
     let scene = solve::load(&arguments.scene, &arguments.frame, arguments.lamps)?;
     lamps::tell_darkness(&scene, &scene.lighting());
     let patches = arguments.patches.target(scene.unit);
-    let settings = SolveSettings { patches, effects, ..SolveSettings::default() };
+    let transport = arguments.transport.unwrap_or_default();
+    let settings = SolveSettings { patches, effects, transport, ..SolveSettings::default() };
     let prepared = prepare(scene, &settings)?;
     let statistics = &prepared.mesh.statistics;
     let excess: String = [statistics.excess(), statistics.clustering()]
@@ -41,7 +47,12 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
         text::count(prepared.scene.surfaces.len(), "surface"),
         text::patches(prepared.mesh.patches.len()),
     );
-    text::print(&(counts + &describe(&prepared.plan)))
+    let foreseen = if prepared.scene.luminaires.is_empty() {
+        String::new()
+    } else {
+        text::foreseen(&foreseen(&prepared)) + "\n"
+    };
+    text::print(&(counts + &foreseen + &describe(&prepared.plan)))
 }
 
 /// Two or three lines an effect: its state, why, on what evidence and at what cost.

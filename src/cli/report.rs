@@ -63,6 +63,7 @@ pub(super) fn report(
             patch_size_m: statistics.patch_size,
         },
         form_factors: FormFactorReport {
+            transport: solved.transport.as_ref().map_or("none", |t| t.kind().name()),
             entries: solved.transport.as_ref().map_or(0, |t| t.entries()),
             bytes: solved.transport.as_ref().map_or(0, |t| t.bytes()),
             close_pairs: solved.assembled().close_pairs,
@@ -71,6 +72,8 @@ pub(super) fn report(
             balance_passes: solved.assembled().passes,
             imbalance: solved.assembled().imbalance,
             kept: solved.assembled().kept,
+            joined_error: solved.assembled().joined_error,
+            mended_rows: solved.assembled().mended,
         },
         effects: solved
             .plan

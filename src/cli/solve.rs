@@ -101,8 +101,16 @@ pub(super) struct Arguments {
 }
 
 /// What a goal chooses by itself.
-const BY_GOAL: [&str; 7] =
-    ["patch_size", "patches", "patches_as_given", "method", "resolution", "receiving_points", "tolerance"];
+const BY_GOAL: [&str; 8] = [
+    "patch_size",
+    "patches",
+    "patches_as_given",
+    "method",
+    "resolution",
+    "receiving_points",
+    "transport",
+    "tolerance",
+];
 
 impl Arguments {
     fn goal(&self) -> Option<Goal> {
@@ -326,6 +334,9 @@ pub(super) fn summary(solved: &Solution, seconds: f64) -> String {
     let statistics = &solved.mesh.statistics;
     for sentence in [statistics.excess(), statistics.clustering()].into_iter().flatten() {
         told += &format!("{sentence}\n");
+    }
+    if let Some(transport) = &solved.transport {
+        told += &text::transport(transport.as_ref());
     }
     match solved.sweeps.last() {
         Some(last) => {

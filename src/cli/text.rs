@@ -1,5 +1,7 @@
 use super::failure::Failure;
 use crate::scene;
+use crate::solve::Foreseen;
+use crate::transport::{Transport, TransportKind};
 use std::io::{self, IsTerminal as _, Write as _};
 
 /// Writes to standard output.
@@ -65,6 +67,30 @@ pub(super) fn significant(value: f64) -> String {
         let decimals = (2.0 - size.log10().floor()).max(0.0) as usize;
         format!("{value:.decimals$}")
     }
+}
+
+/// What carries the light between patches, in a line.
+pub(super) fn transport(transport: &dyn Transport) -> String {
+    let (entries, megabytes) = (transport.entries(), transport.bytes() as f64 / 1e6);
+    let held = format!("{}, {} MB", count(entries, "form factor"), significant(megabytes));
+    match transport.kind() {
+        TransportKind::Tree => format!(
+            "transport: tree, {held}, {} per patch; joining them changes passed-on light by at most about {} %\n",
+            significant(entries as f64 / transport.len().max(1) as f64),
+            significant(100.0 * transport.report().joined_error),
+        ),
+        TransportKind::Matrix | TransportKind::Auto => format!("transport: matrix, {held}\n"),
+    }
+}
+
+/// What will carry the light, in a line.
+pub(super) fn foreseen(foreseen: &Foreseen) -> String {
+    format!(
+        "transport: {}, about {} form factors, {} MB\n",
+        foreseen.kind.name(),
+        significant(foreseen.entries),
+        significant(foreseen.bytes / 1e6)
+    )
 }
 
 /// Columns side by side, two spaces apart; the last one is not padded.

@@ -33,7 +33,8 @@ impl Recompute {
     pub(super) fn between(state: &State, wanted: &Wanted) -> Self {
         let (old, new) = (&state.settings, &wanted.settings);
         let scene = state.opened != wanted.opened || state.scene.is_none();
-        let method = old.sampling() != new.sampling() || old.effects != new.effects;
+        let carried = old.transport != new.transport;
+        let method = old.sampling() != new.sampling() || old.effects != new.effects || carried;
         let split =
             old.patches != new.patches || old.refinement != new.refinement || old.direct != new.direct;
         let lamps = match (&state.read, &state.scene) {

@@ -3,11 +3,10 @@ use super::handle::{MaterialEdit, Shared, locked};
 use super::recompute::{Recompute, same_geometry};
 use super::snapshot::Snapshot;
 use super::wanted::Wanted;
-use crate::form_factors::Row;
 use crate::mesh::LightSearch;
 use crate::scene::{Scene, SceneSource};
 use crate::solve::{
-    self, Control, ElementLight, Prepared, Progress, Run, Solution, SolveSettings, Stage, Timings,
+    self, Control, ElementLight, Prepared, Progress, RowStore, Run, Solution, SolveSettings, Stage, Timings,
     patch_reflectance, system,
 };
 use crate::solver::{LightBases, System};
@@ -31,8 +30,8 @@ pub(super) struct State {
     /// The same as it was read.
     pub(super) read: Option<Arc<Scene>>,
     pub(super) prepared: Option<Prepared>,
-    /// Rows of a solve that was interrupted, a patch each.
-    pub(super) rows: Vec<Option<Row>>,
+    /// Rows of a solve that was interrupted.
+    pub(super) rows: RowStore,
     pub(super) transport: Option<Arc<dyn Transport>>,
     pub(super) bases: Option<Arc<LightBases>>,
 }
@@ -178,7 +177,7 @@ impl Worker<'_> {
             return Ok(todo);
         }
         if self.state.transport.is_none() {
-            todo.rows = prepared.mesh.patches.len() - self.state.rows.iter().flatten().count();
+            todo.rows = prepared.mesh.patches.len() - self.state.rows.known();
             let standing = self.state.bases.as_deref().cloned();
             // What a request that leaves the geometry alone has interrupted goes on from there.
             let mut known = std::mem::take(&mut self.state.rows);
@@ -190,13 +189,13 @@ impl Worker<'_> {
             let direct = self.element_light().map(|elements| Arc::clone(&elements.given));
             let lit = system.clone().with_direct(direct.as_ref());
             let mut known = std::mem::take(&mut self.state.rows);
-            let rows = self.with_run(|run| run.rows(&prepared, &lit, standing, &mut known));
-            self.state.rows = known;
-            let (mut rows, start) = rows?;
-            self.state.bases = Some(Arc::new(start));
-            let assembled = self.with_run(|run| run.assemble(&prepared, &mut rows));
+            let elements = self.element_light().cloned();
+            let start = self
+                .with_run(|run| run.rows(&prepared, &lit, elements.as_deref(), standing, &mut known))
+                .inspect(|start| self.state.bases = Some(Arc::new(start.clone())));
+            let assembled = start.and_then(|_| self.with_run(|run| run.assemble(&prepared, &mut known)));
             // What is left of them, where it was interrupted.
-            self.state.rows = rows.into_iter().map(Some).collect();
+            self.state.rows = known;
             let transport = assembled?;
             self.state.transport = Some(transport.clone());
             self.settle_elements(&prepared, &system)?;
@@ -361,7 +360,7 @@ impl Worker<'_> {
         if same {
             todo.kept_rows = self.state.transport.is_some();
         } else {
-            self.state.rows = Vec::new();
+            self.state.rows = RowStore::default();
             self.state.transport = None;
         }
         // The light of the same scene stays, and is refined on its new patches.

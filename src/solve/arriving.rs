@@ -27,9 +27,9 @@ impl Arriving {
     }
 
     /// The row of a patch is known, before it is taken.
-    pub(super) fn see(&mut self, system: &System, patch: u32, row: &Row) {
+    pub(super) fn see(&mut self, system: &System, patch: u32, row_sum: f64) {
         if let Self::Shot(shooter) = self {
-            shooter.see(system, patch, row);
+            shooter.see(system, patch, row_sum);
         }
     }
 

@@ -181,6 +181,11 @@ impl ElementLight {
         Ok(Self { given: Arc::new(given), ..self })
     }
 
+    /// Within what distance receivers tell parts of each patch apart, metres.
+    pub(super) fn reach(&self, prepared: &Prepared) -> Vec<f32> {
+        UnevenLight::reach(&prepared.mesh, &self.elements, &exitances(&prepared.scene, &self.bases))
+    }
+
     /// Elements of a mesh; the patches are taken to have the mean of what is on them.
     fn new(
         target: DirectTarget,

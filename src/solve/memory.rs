@@ -1,9 +1,11 @@
 //! What a solve will take of the memory, before it begins.
 
 use super::PipelineError;
+use super::pipeline::Prepared;
 use crate::form_factors::RowComputer;
 use crate::scene::grouped;
 use crate::solver::System as LightSystem;
+use crate::transport::TransportKind;
 use rayon::prelude::*;
 use sysinfo::{ProcessRefreshKind, ProcessesToUpdate, System};
 
@@ -17,9 +19,48 @@ const HOPELESS: f64 = 1.5;
 /// Of the memory that is free a solve may take this part.
 const MOST_MEMORY: f64 = 0.9;
 
-/// Refuses beforehand what would not fit: extrapolates from a few rows.
+/// Up to so many patches, and so many bytes while it is built, the matrix is taken where nothing else is asked for: it
+/// sweeps at least as fast there, and is made from both samples of each pair.
+const MOST_IN_MATRIX: usize = 15_000;
+const MATRIX_BYTES: f64 = 1.5e9;
+/// Bytes of the matrix per form factor while it is built, and of the tree per entry; entries of a row of the tree, which
+/// grow little with the patches; and bytes per patch of what its nodes are judged by.
+const PER_FACTOR: f64 = 24.0;
+const PER_ENTRY: f64 = 9.0;
+const ENTRIES: f64 = 800.0;
+const PER_JUDGED: f64 = 500.0;
+
+/// Which transport is taken where this one is asked for; a few rows tell where numbers alone do not. `None` where it was
+/// cancelled.
+fn chosen(
+    computer: &RowComputer,
+    wanted: TransportKind,
+    cancelled: &(dyn Fn() -> bool + Sync),
+) -> Option<TransportKind> {
+    let n = computer.mesh().patches.len();
+    let all = (n as f64).powi(2) * PER_FACTOR;
+    Some(match wanted {
+        TransportKind::Matrix | TransportKind::Tree => wanted,
+        TransportKind::Auto if n > MOST_IN_MATRIX => TransportKind::Tree,
+        TransportKind::Auto if all <= MATRIX_BYTES => TransportKind::Matrix,
+        TransportKind::Auto => {
+            let probes = spread(n, FEW_PROBES);
+            let [entries, ..] = tried(computer, &probes, 0, cancelled)?;
+            let bytes = n as f64 * entries / probes.len().max(1) as f64 * PER_FACTOR;
+            if bytes <= MATRIX_BYTES { TransportKind::Matrix } else { TransportKind::Tree }
+        }
+    })
+}
+
+/// So many patches spread over all.
+fn spread(patches: usize, count: usize) -> Vec<u32> {
+    let count = count.min(patches);
+    (0..count).map(|k| (k * patches / count) as u32).collect()
+}
+
+/// Decides which transport the rows are for, and refuses beforehand what would not fit: extrapolates from a few rows.
 ///
-/// A row takes 8 bytes a form factor, and so do the blocks made of the rows and the matrix made of those, as
+/// Of the matrix a row takes 8 bytes a form factor, and so do the blocks made of the rows and the matrix made of those, as
 /// what is freed in between is not handed back. They hold each pair on both sides even where only one of them
 /// has found the other: with few half-planes and many patches that is almost twice what the rows hold.
 /// Measured: house, 65,536 patches by 48 half-planes, 163 million form factors, 3.3 GB.
@@ -29,16 +70,30 @@ const MOST_MEMORY: f64 = 0.9;
 pub(super) fn check_memory(
     computer: &RowComputer,
     system: &LightSystem,
+    wanted: TransportKind,
     cancelled: &(dyn Fn() -> bool + Sync),
-) -> Result<(), PipelineError> {
+) -> Result<TransportKind, PipelineError> {
     let n = computer.mesh().patches.len();
-    let Some(available) = available_bytes() else { return Ok(()) };
+    let kind = chosen(computer, wanted, cancelled).ok_or(PipelineError::Cancelled)?;
+    let Some(available) = available_bytes() else { return Ok(kind) };
     let columns = system.columns() as f64 * 60.0 + 400.0;
-    let all_pairs = n as f64 * (n as f64 * 8.0 * 3.0 + columns);
-    if all_pairs <= MOST_MEMORY * available {
-        return Ok(());
+    let refused = |needed: f64, fitting: f64| PipelineError::Memory {
+        patches: n,
+        whole: computer.mesh().statistics.whole_sides,
+        needed_gb: needed / 1e9,
+        available_gb: available / 1e9,
+        fitting: (fitting / 100.0).floor() as usize * 100,
+    };
+    if kind == TransportKind::Tree {
+        let needed = n as f64 * (ENTRIES.min(n as f64) * PER_ENTRY + PER_JUDGED + columns);
+        let most = MOST_MEMORY * available;
+        return if needed <= most { Ok(kind) } else { Err(refused(needed, n as f64 * most / needed)) };
     }
-    let probes: Vec<u32> = (0..PROBES.min(n)).map(|k| (k * n / PROBES.min(n)) as u32).collect();
+    let all_pairs = n as f64 * (n as f64 * PER_FACTOR + columns);
+    if all_pairs <= MOST_MEMORY * available {
+        return Ok(kind);
+    }
+    let probes = spread(n, PROBES);
     let bytes = |per_row: f64, sides: f64| n as f64 * (per_row * 8.0 * (1.0 + 2.0 * sides) + columns);
     let hopeless = || {
         // Spread over the scene, as the others are.
@@ -57,17 +112,37 @@ pub(super) fn check_memory(
         }
     };
     if needed <= MOST_MEMORY * available {
-        return Ok(());
+        return Ok(kind);
     }
     // Entries grow with the square of the patches.
-    let fitting = n as f64 * (MOST_MEMORY * available / needed).sqrt();
-    Err(PipelineError::Memory {
-        patches: n,
-        whole: computer.mesh().statistics.whole_sides,
-        needed_gb: needed / 1e9,
-        available_gb: available / 1e9,
-        fitting: (fitting / 100.0).floor() as usize * 100,
-    })
+    Err(refused(needed, n as f64 * (MOST_MEMORY * available / needed).sqrt()))
+}
+
+/// What a transport will come to, as a few rows tell it beforehand.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Foreseen {
+    /// Which is taken; never [`TransportKind::Auto`].
+    pub kind: TransportKind,
+    /// Values that it will store, about.
+    pub entries: f64,
+    /// Bytes that these will take once it stands, about.
+    pub bytes: f64,
+}
+
+/// Tells beforehand which transport a solve of this scene takes and how large it will be, from a few rows.
+pub fn foreseen(prepared: &Prepared) -> Foreseen {
+    let computer = &prepared.computer;
+    let n = computer.mesh().patches.len() as f64;
+    let never = || false;
+    let kind = chosen(computer, prepared.transport, &never).unwrap_or(TransportKind::Matrix);
+    let probes = spread(computer.mesh().patches.len(), PROBES);
+    let [entries, others, mutual] = tried(computer, &probes, MIRRORED, &never).unwrap_or_default();
+    let per_row = entries / probes.len().max(1) as f64;
+    let per_row = match kind {
+        TransportKind::Tree => per_row.min(ENTRIES),
+        _ => per_row * (2.0 - mutual / others.max(1.0)),
+    };
+    Foreseen { kind, entries: n * per_row, bytes: n * per_row * 8.0 }
 }
 
 /// Form factors of these rows; of `mirrored` of each how many were looked at from the other side, and how many

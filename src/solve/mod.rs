@@ -8,16 +8,18 @@ mod memory;
 mod pipeline;
 mod rows;
 mod solution;
+mod store;
 mod uneven;
 mod watched;
 
 pub use effect_costs::{effect_costs, measured};
 pub use element_light::ElementLight;
 pub use error::PipelineError;
-pub use memory::available_bytes;
+pub use memory::{Foreseen, available_bytes, foreseen};
 pub use pipeline::{
     Control, DirectTarget, Prepared, Progress, Run, SolveSettings, Stage, Timings, patch_reflectance,
     prepare, solve, system, without_light,
 };
 pub use solution::Solution;
+pub use store::RowStore;
 pub use uneven::UnevenLight;

@@ -5,13 +5,14 @@ use super::effect_costs;
 use super::element_light::ElementLight;
 use super::error::PipelineError;
 use super::solution::Solution;
+use super::store::RowStore;
 use crate::direct::Focus;
 use crate::effects::{self, Effect, EffectChoices, EffectPlan};
-use crate::form_factors::{Method, ReceivingPoints, Row, RowComputer, Sampling};
+use crate::form_factors::{Method, ReceivingPoints, RowComputer, Sampling};
 use crate::mesh::{self, LightSearch, MeshSettings, PatchMesh, PatchTarget, Refinement, Survey};
 use crate::scene::Scene;
 use crate::solver::{GaussSeidel, LightBases, SweepReport, System};
-use crate::transport::{DenseTransport, Transport};
+use crate::transport::{DenseTransport, Transport, TransportKind, TreeTransport};
 use crate::watch::Watch;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -32,6 +33,8 @@ pub struct SolveSettings {
     pub points: ReceivingPoints,
     /// How finely direct light is laid out.
     pub direct: DirectTarget,
+    /// What carries the light between patches.
+    pub transport: TransportKind,
     /// The solve stops at this relative error bound; above zero.
     pub tolerance: f64,
     /// Effects forced on or off.
@@ -47,6 +50,7 @@ impl Default for SolveSettings {
             resolution: None,
             points: ReceivingPoints::default(),
             direct: DirectTarget::default(),
+            transport: TransportKind::default(),
             tolerance: 1e-4,
             effects: EffectChoices::default(),
         }
@@ -214,6 +218,8 @@ pub struct Prepared {
     pub computer: Arc<RowComputer>,
     /// How finely direct light is to be laid out.
     pub direct: DirectTarget,
+    /// What is to carry the light between patches.
+    pub transport: TransportKind,
     /// Seconds so far.
     pub timings: Timings,
 }
@@ -260,7 +266,8 @@ pub(super) fn prepare_watched(
     let sampling = settings.sampling();
     let computer = RowComputer::new_unless(mesh.clone(), sampling, visibility, watch.cancelled())?;
     let computer = Arc::new(computer);
-    Ok(Prepared { scene, survey, mesh, plan, computer, direct: settings.direct, timings })
+    let SolveSettings { direct, transport, .. } = *settings;
+    Ok(Prepared { scene, survey, mesh, plan, computer, direct, transport, timings })
 }
 
 /// Reflectance of every patch with some materials changed: `material(index)` gives the new one.
@@ -362,7 +369,7 @@ impl<'a> Run<'a> {
         &mut self,
         prepared: &Prepared,
         system: &System,
-        rows: &[Option<Row>],
+        rows: &RowStore,
     ) -> Result<Option<ElementLight>, PipelineError> {
         let mesh = &prepared.mesh;
         let by_rows = prepared.computer.sampling().method != Method::Lines
@@ -374,7 +381,7 @@ impl<'a> Run<'a> {
         let clock = self.clock();
         let n = prepared.mesh.patches.len();
         // The rows that come after it take as long as those of the lamps did, a row each.
-        let known = rows.iter().flatten().count();
+        let known = rows.known();
         let per_row = if known > 0 { self.timings.rows / known as f64 } else { 0.0 };
         let rest = per_row * (n - known) as f64 * (1.0 + SWEEPS);
         let light =
@@ -423,22 +430,34 @@ impl<'a> Run<'a> {
         Ok(settled)
     }
 
-    /// Makes the rows reciprocal and closed. They are emptied on the way, to make room; those that are left
-    /// when the run is cancelled are whole.
+    /// Makes the rows closed, and reciprocal where they are for a matrix. They are emptied on the way, to make room; those
+    /// that are left when the run is cancelled are whole.
     pub fn assemble(
         &mut self,
         prepared: &Prepared,
-        rows: &mut Vec<Row>,
+        rows: &mut RowStore,
     ) -> Result<Arc<dyn Transport>, PipelineError> {
         let clock = self.clock();
-        let n = rows.len();
+        let n = prepared.mesh.patches.len();
         let sweeps = SWEEPS * self.timings.rows;
         self.tell(Stage::Balancing, (n, n), (ROWS, Some(2.0 * sweeps)), &[], None, true)?;
+        let computer = &prepared.computer;
         let assembled = self.watched(Stage::Balancing, (n, n), ([ROWS, BALANCED], sweeps), |watch| {
-            DenseTransport::assemble(&prepared.computer, rows, watch)
+            if let Some((plan, mut collapsed)) = rows.take_collapsed() {
+                let assembled = TreeTransport::assemble(computer, &plan, &mut collapsed, watch);
+                rows.put_back_collapsed(collapsed);
+                return Ok(Arc::new(assembled?) as Arc<dyn Transport>);
+            }
+            let mut raw = rows.take_raw();
+            let assembled = DenseTransport::assemble(computer, &mut raw, watch);
+            rows.put_back_raw(raw);
+            Ok(Arc::new(assembled?) as Arc<dyn Transport>)
         });
+        if assembled.is_ok() {
+            *rows = RowStore::default();
+        }
         self.timings.balance = clock.seconds(self);
-        Ok(Arc::new(assembled?))
+        assembled
     }
 
     /// Sweeps from `start` to the tolerance.
@@ -493,12 +512,12 @@ impl Run<'_> {
     ) -> Result<Solution, PipelineError> {
         let reflectance = patch_reflectance(&prepared.mesh, &|_| None);
         let system = system(prepared, &reflectance);
-        let mut known = Vec::new();
+        let mut known = RowStore::default();
         self.first_light(prepared, &system, standing.is_some(), &mut known)?;
         let elements = self.elements(prepared, &system, &known)?;
         let lit = system.clone().with_direct(elements.as_ref().map(|elements| &elements.given));
-        let (mut rows, start) = self.rows(prepared, &lit, standing, &mut known)?;
-        let transport = self.assemble(prepared, &mut rows)?;
+        let start = self.rows(prepared, &lit, elements.as_ref(), standing, &mut known)?;
+        let transport = self.assemble(prepared, &mut known)?;
         let settle = |elements| self.settle(prepared, elements, transport.as_ref(), &system).map(Arc::new);
         let elements = elements.map(settle).transpose()?;
         let system = system.with_direct(elements.as_ref().map(|elements| &elements.given));

@@ -1,23 +1,65 @@
 //! The stage of a solve that computes rows, and lights the scene on the way.
 
 use super::arriving::Arriving;
+use super::element_light::ElementLight;
 use super::error::PipelineError;
 use super::memory::check_memory;
 use super::pipeline::{ELEMENTS, Pictured, Prepared, ROWS, ROWS_OF_LAMPS, Run, Stage};
+use super::store::RowStore;
 use crate::form_factors::{Row, RowComputer};
 use crate::solver::{LightBases, System};
+use crate::transport::{NodeScratch, Sent, TransportKind, TreePlan};
+use crate::watch::Watch;
 use rayon::prelude::*;
+use std::sync::Arc;
 use std::sync::atomic::Ordering;
 
-/// Computes those of the rows of some patches that are not known, and keeps them; how many those were.
-fn complete(computer: &RowComputer, picked: &[u32], known: &mut [Option<Row>]) -> usize {
-    let missing: Vec<u32> = picked.iter().copied().filter(|&i| known[i as usize].is_none()).collect();
+/// Computes those of the rows of some patches that are not known, and keeps them as they are; how many those were.
+fn complete(computer: &RowComputer, picked: &[u32], known: &mut RowStore) -> usize {
+    let missing: Vec<u32> = picked.iter().copied().filter(|&i| !known.has(i)).collect();
     let fresh: Vec<Row> =
         missing.par_iter().map_init(|| computer.scratch(), |scratch, &i| computer.row(i, scratch)).collect();
     for (&i, row) in missing.iter().zip(fresh) {
-        known[i as usize] = Some(row);
+        known.keep(i, row);
     }
     missing.len()
+}
+
+/// Collapses those rows of some patches that stand as they were sampled.
+fn collapse(computer: &RowComputer, picked: &[u32], known: &mut RowStore) {
+    let Some(plan) = known.plan().cloned() else { return };
+    let rows: Vec<(u32, &Row)> = picked.iter().filter_map(|&i| Some((i, known.raw(i)?))).collect();
+    let collapsed: Vec<_> = rows
+        .par_iter()
+        .map_init(NodeScratch::default, |scratch, &(i, row)| (i, plan.row(computer, i, row, scratch)))
+        .collect();
+    for (i, row) in collapsed {
+        known.keep_collapsed(i, row);
+    }
+}
+
+/// Lights the scene by the rows of some patches that are known, in this order.
+fn pass_on(
+    arriving: &mut Arriving,
+    (computer, system): (&RowComputer, &System),
+    picked: &[u32],
+    known: &RowStore,
+) {
+    for &i in picked {
+        if let Some(sum) = known.sum(i) {
+            arriving.see(system, i, sum);
+        }
+        if let Some(row) = known.raw(i) {
+            arriving.take(system, i, row);
+        } else if let Some(row) = known.expanded(computer, i) {
+            arriving.take(system, i, &row);
+        }
+    }
+}
+
+fn lamps(prepared: &Prepared) -> Vec<u32> {
+    let shines = |&i: &u32| prepared.mesh.patches[i as usize].luminaire.is_some();
+    (0..prepared.mesh.patches.len() as u32).filter(shines).collect()
 }
 
 impl Run<'_> {
@@ -31,33 +73,26 @@ impl Run<'_> {
         prepared: &Prepared,
         system: &System,
         stands: bool,
-        known: &mut Vec<Option<Row>>,
+        known: &mut RowStore,
     ) -> Result<(), PipelineError> {
         let n = prepared.mesh.patches.len();
         let computer = &prepared.computer;
-        if known.iter().flatten().next().is_none() {
-            let cancel = self.cancel;
-            check_memory(computer, system, &|| cancel.load(Ordering::Relaxed))?;
+        if known.known() == 0 {
+            self.choose_transport(prepared, system, known)?;
             (self.timings.first_light, self.timings.rows) = (0.0, 0.0);
         }
-        known.resize(n, None);
+        known.resize(n);
         if stands {
             return Ok(());
         }
         let before = self.timings.rows;
         let clock = self.clock();
         let mut arriving = Arriving::new(system, None);
-        let shines = |&i: &u32| prepared.mesh.patches[i as usize].luminaire.is_some();
-        let lamps: Vec<u32> = (0..n as u32).filter(shines).collect();
+        let lamps = lamps(prepared);
         let (mut done, mut computed) = (0, 0);
         for picked in lamps.chunks(computer.batch().max(1)) {
             computed += complete(computer, picked, known);
-            for &i in picked {
-                if let Some(row) = &known[i as usize] {
-                    arriving.see(system, i, row);
-                    arriving.take(system, i, row);
-                }
-            }
+            pass_on(&mut arriving, (computer, system), picked, known);
             done += picked.len();
             let is_last = done == lamps.len();
             if computed > 0 {
@@ -66,9 +101,23 @@ impl Run<'_> {
             }
             let fraction = ROWS_OF_LAMPS * done as f64 / lamps.len() as f64;
             let picture = Some(Pictured::Arriving(&arriving, system));
-            let counts = (known.iter().flatten().count(), n);
+            let counts = (known.known(), n);
             self.tell(Stage::FirstLight, counts, (fraction, None), &[], picture, is_last)?;
         }
+        Ok(())
+    }
+
+    /// Decides which transport the rows are for, and whether it would fit into the memory.
+    fn choose_transport(
+        &mut self,
+        prepared: &Prepared,
+        system: &System,
+        known: &mut RowStore,
+    ) -> Result<(), PipelineError> {
+        let cancel = self.cancel;
+        let cancelled = || cancel.load(Ordering::Relaxed);
+        let kind = check_memory(&prepared.computer, system, prepared.transport, &cancelled)?;
+        known.kind = Some(kind);
         Ok(())
     }
 
@@ -76,29 +125,37 @@ impl Run<'_> {
     /// those with the most unshot power first. Where the light of an earlier solve is `standing` on these patches, it is
     /// refined instead, the brightest patches first.
     ///
-    /// Rows of the same mesh and computer that are `known` are not computed again; what there is when the
-    /// run is cancelled is left there, and nothing else.
+    /// They are kept in `known`, each collapsed at once where they are for a tree, and those of the same mesh and computer that
+    /// are there already are not computed again. `elements` tell who has to hold which patches by themselves.
     ///
     /// # Errors
-    /// The run was ended.
+    /// The run was ended; what there is then is left in `known`.
     pub fn rows(
         &mut self,
         prepared: &Prepared,
         system: &System,
+        elements: Option<&ElementLight>,
         standing: Option<LightBases>,
-        known: &mut Vec<Option<Row>>,
-    ) -> Result<(Vec<Row>, LightBases), PipelineError> {
+        known: &mut RowStore,
+    ) -> Result<LightBases, PipelineError> {
         let n = prepared.mesh.patches.len();
         let computer = &prepared.computer;
-        known.resize(n, None);
-        let mut left_to_compute = n - known.iter().flatten().count();
+        if known.kind.is_none() {
+            self.choose_transport(prepared, system, known)?;
+        }
+        known.resize(n);
+        let mut left_to_compute = n - known.known();
         let before = if left_to_compute < n { self.timings.rows } else { 0.0 };
         let clock = self.clock();
+        if known.kind == Some(TransportKind::Tree) && known.plan().is_none() {
+            self.plan_tree(prepared, system, elements, known)?;
+            left_to_compute = n - known.known();
+        }
         let is_dark = standing.is_none();
         let mut arriving = Arriving::new(system, standing);
-        for (i, row) in (0..).zip(&*known) {
-            if let Some(row) = row {
-                arriving.see(system, i, row);
+        for i in 0..n as u32 {
+            if let Some(sum) = known.sum(i) {
+                arriving.see(system, i, sum);
             }
         }
         if left_to_compute < n && is_dark {
@@ -111,12 +168,8 @@ impl Run<'_> {
         while done < n {
             let picked = arriving.brightest(system, batch);
             let missing = complete(computer, &picked, known);
-            for &i in &picked {
-                if let Some(row) = &known[i as usize] {
-                    arriving.see(system, i, row);
-                    arriving.take(system, i, row);
-                }
-            }
+            pass_on(&mut arriving, (computer, system), &picked, known);
+            collapse(computer, &picked, known);
             done += picked.len();
             computed += missing;
             left_to_compute -= missing;
@@ -138,7 +191,42 @@ impl Run<'_> {
             let counts = (n - left_to_compute, n);
             self.tell(Stage::Rows, counts, (fraction, left), &[], picture, false)?;
         }
-        let rows = std::mem::take(known).into_iter().map(Option::unwrap_or_default).collect();
-        Ok((rows, arriving.bases()))
+        Ok(arriving.bases())
+    }
+
+    /// Decides how rows are collapsed: by direct light, as the system has it or as the rows of the lamps tell it, and by
+    /// some rows that are kept.
+    fn plan_tree(
+        &mut self,
+        prepared: &Prepared,
+        system: &System,
+        elements: Option<&ElementLight>,
+        known: &mut RowStore,
+    ) -> Result<(), PipelineError> {
+        let n = prepared.mesh.patches.len();
+        let computer = &prepared.computer;
+        let lamps = if system.direct.is_some() { Vec::new() } else { lamps(prepared) };
+        let probes = TreePlan::probes(n);
+        for picked in [&lamps, &probes].into_iter().flat_map(|list| list.chunks(computer.batch().max(1))) {
+            complete(computer, picked, known);
+            self.tell(Stage::Rows, (known.known(), n), (ELEMENTS, None), &[], None, false)?;
+        }
+        let direct = match &system.direct {
+            Some(direct) => Arc::clone(direct),
+            None => {
+                let mut arriving = Arriving::new(system, None);
+                pass_on(&mut arriving, (computer, system), &lamps, known);
+                Arc::new(arriving.bases())
+            }
+        };
+        let reach = elements.map_or_else(Vec::new, |elements| elements.reach(prepared));
+        let rows = probes.iter().filter_map(|&i| Some((i, known.raw(i)?.clone()))).collect();
+        let sent = Sent { direct: &direct.values, lamps: direct.lamps, bands: direct.bands, reach: &reach };
+        let cancel = self.cancel;
+        let cancelled = || cancel.load(Ordering::Relaxed);
+        let mut nobody = |_| {};
+        let plan = TreePlan::new(computer, sent, rows, &mut Watch::new(&cancelled, &mut nobody))?;
+        known.begin_tree(plan);
+        Ok(())
     }
 }

@@ -69,7 +69,9 @@ pub struct UnevenLight {
 }
 
 impl UnevenLight {
-    /// Looks at all pairs of a transport. `exitance` tells how much each basis of the elements counts.
+    /// Looks at all pairs of a transport that it holds one by one: a tree holds those so that are [near enough](Self::reach).
+    ///
+    /// `exitance` tells how much each basis of the elements counts.
     ///
     /// # Errors
     /// The watch ended it.
@@ -92,7 +94,7 @@ impl UnevenLight {
             if receiver.buried || !transport.sees(i) {
                 return found;
             }
-            for (j, exchange) in transport.row(i) {
+            for (j, exchange) in transport.singles(i) {
                 let Some(from) = divided.get(index_of[j as usize] as usize) else { continue };
                 let distance = receiver.centre.distance(mesh.patches[j as usize].centre);
                 if distance < from.reach {
@@ -132,6 +134,15 @@ impl UnevenLight {
             }
         });
         values
+    }
+
+    /// Within what distance receivers tell parts of each patch apart, metres; nought where none does.
+    pub(super) fn reach(mesh: &PatchMesh, elements: &Elements, exitance: &[f64]) -> Vec<f32> {
+        let mut reach = vec![0.0; mesh.patches.len()];
+        for own in divided(mesh, elements, exitance).0 {
+            reach[own.patch as usize] = own.reach as f32;
+        }
+        reach
     }
 
     /// How many pairs of a patch and a basis of another are kept.

@@ -64,10 +64,10 @@ impl Shooter {
         waiting.into_iter().map(|(_, i)| i).collect()
     }
 
-    /// Learns from a row how much of what is passed on stays in the scene.
-    pub fn see(&mut self, system: &System, patch: u32, row: &Row) {
+    /// Learns from the sum of a row how much of what is passed on stays in the scene.
+    pub fn see(&mut self, system: &System, patch: u32, row_sum: f64) {
         let area = system.areas[patch as usize];
-        self.seen[0] += area * row.sum().min(1.0);
+        self.seen[0] += area * row_sum.min(1.0);
         self.seen[1] += area;
     }
 

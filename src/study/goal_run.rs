@@ -8,6 +8,7 @@ use crate::effects::EffectChoices;
 use crate::form_factors::{Method, ReceivingPoints};
 use crate::mesh::{PatchTarget, Refinement};
 use crate::solve::{DirectTarget, SolveSettings};
+use crate::transport::TransportKind;
 use std::fmt;
 use std::sync::Arc;
 
@@ -266,6 +267,7 @@ impl GoalRun {
                     most: (seconds * ELEMENTS_A_SECOND).clamp(1e3, MOST_ELEMENTS as f64) as usize,
                 },
             },
+            transport: TransportKind::Auto,
             // The sweeps add nothing to its error that counts.
             tolerance,
             effects: self.effects.clone(),

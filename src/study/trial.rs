@@ -76,7 +76,7 @@ fn gathering(transport: &dyn Transport) -> f64 {
     let mut arriving = light.clone();
     let (mut rows, mut entries) = (0, 0);
     while rows < transport.len() && entries < GATHERED {
-        entries += transport.row(rows).len();
+        entries += transport.row_entries(rows);
         rows += 1;
     }
     let mut once = || {

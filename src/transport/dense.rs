@@ -4,9 +4,8 @@ mod operator;
 
 use super::balancing::{Balancing, Scaling};
 use super::quality::PairGaps;
-use super::{LANES, Lanes, RowQuality, near};
+use super::{AssembleReport, LANES, Lanes, RowQuality, near};
 use crate::form_factors::{Row, RowComputer};
-use crate::geometry::Frame;
 use crate::watch::{self, Watch};
 use rayon::prelude::*;
 use std::ops::Range;
@@ -31,36 +30,6 @@ pub struct DenseTransport {
     passes: Arc<AtomicU64>,
 }
 
-/// What [`DenseTransport::assemble`] did.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct AssembleReport {
-    /// Largest |row sum - 1| of a row as sampled, among rows that see no opening to within 1 %.
-    pub worst_closure: f64,
-    /// Area-weighted mean over pairs of |A_i F_ij - A_j F_ji| over their mean, as sampled.
-    pub mean_reciprocity: f64,
-    /// Rows that were gathered at several points of their patch.
-    pub several_points: usize,
-    /// Close pairs replaced by closed forms.
-    pub close_pairs: usize,
-    /// Scaling passes until the power balance closed.
-    pub passes: usize,
-    /// Largest deviation of a row sum from its target after them; at most 1e-7.
-    pub imbalance: f64,
-    /// Share of the balanced exchange that patches keep to themselves, since those that they see cannot take
-    /// it up: 1e-8 where none has to, more where rows contradict each other.
-    pub kept: f64,
-}
-
-/// Row sums within this of one count as closed: what rounding leaves of a row.
-const CLOSED: f64 = 2e-5;
-/// A row that sums to less than this in a sealed scene is that of a patch under something: the rest is sides that
-/// no light reaches.
-const UNDER: f64 = 0.5;
-/// Within this of one a row may owe the rest to seams: closed forms change it only where rays along its
-/// surface leave.
-const NEARLY_CLOSED: f64 = 2e-3;
-/// What closed forms leave open beyond this is no rounding of theirs.
-const GAP: f64 = 5e-4;
 /// Shares of the time by which close pairs, rows joined from both sides and the sums of rows are done, about.
 const PAIRED: f64 = 0.5;
 const JOINED: f64 = 0.7;
@@ -105,7 +74,13 @@ impl DenseTransport {
         let sums: Vec<f64> = rows.par_iter().map(Row::sum).collect();
         let sealed = computer.rays().is_sealed();
         let targets: Vec<f64> = watch.part(JOINED, TARGETED).map(&sums, |i, &sum| {
-            mesh.patches[i].area * HEADROOM * row_target(computer, rows, &close, (i, sum), sealed)
+            let pair = |j: u32| {
+                let (low, high) = if (i as u32) < j { (i, j) } else { (j as usize, i as u32) };
+                let at = close[low].binary_search_by_key(&high, |pair| pair.0).ok()?;
+                Some(close[low][at].1)
+            };
+            let row = (i as u32, &rows[i], sum);
+            mesh.patches[i].area * HEADROOM * near::row_target(computer, row, &pair, sealed)
         })?;
         let several_points = rows.iter().filter(|row| row.points.count() > 1).count();
         drop(std::mem::take(rows));
@@ -143,6 +118,7 @@ impl DenseTransport {
             passes: scaling.passes,
             imbalance: scaling.imbalance,
             kept: scaling.kept,
+            ..AssembleReport::default()
         };
         Ok(matrix)
     }
@@ -215,47 +191,6 @@ impl DenseTransport {
         let (diagonal, area) = (self.diagonal[i], self.areas[i]);
         std::array::from_fn(|lane| (sum[lane] + diagonal * own[lane]) / area)
     }
-}
-
-/// What row i must sum to: 1 less the sky as sampled, where closed forms did not change its share.
-///
-/// What a close pair gains over its sample the others lose, sky and patches alike. Without sky the
-/// sum stays 1; where close pairs are all that is seen, it becomes that of their closed forms, since
-/// from one point the gap between two near plates is not seen at all.
-fn row_target(
-    computer: &RowComputer,
-    rows: &[Row],
-    close: &[Vec<(u32, f64)>],
-    (i, sum): (usize, f64),
-    sealed: bool,
-) -> f64 {
-    let mesh = computer.mesh();
-    if sealed && sum > UNDER {
-        // What lines miss of facets thinner than they stand apart is no opening.
-        return 1.0;
-    }
-    let nearly = sum > 1.0 - NEARLY_CLOSED;
-    if sum > 1.0 - CLOSED {
-        let exact = near::sum_in_closed_form(computer, rows, i as u32);
-        return exact.filter(|&exact| exact < 1.0 - GAP).unwrap_or(1.0);
-    }
-    let patch = &mesh.patches[i];
-    if nearly && !computer.rays().opens_sideways(patch.centre, &Frame::around(patch.normal)) {
-        return sum;
-    }
-    let row = &rows[i];
-    let area = patch.area;
-    let (mut exact, mut sampled) = (0.0, 0.0);
-    for &j in &row.patches {
-        let (low, high) = if (i as u32) < j { (i, j) } else { (j as usize, i as u32) };
-        if let Ok(at) = close[low].binary_search_by_key(&high, |pair| pair.0) {
-            exact += close[low][at].1 / area;
-            sampled += row.get(j);
-        }
-    }
-    let sky = 1.0 - sum;
-    let others = sky + (sum - sampled).max(0.0);
-    (sum + (exact - sampled) * sky / others).clamp(0.0, 1.0)
 }
 
 /// Where each row and its close pairs enter each block of rows, and where the last one ends: what a block

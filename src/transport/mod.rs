@@ -1,15 +1,18 @@
 //! How light passes between patches: one operator that is asked, whatever stands behind it.
 //!
 //! Whoever solves, audits or inspects asks a [`Transport`]; nobody else holds rows. [`DenseTransport`]
-//! stores every pair of patches that see each other.
+//! stores every pair of patches that see each other; [`TreeTransport`] has rows whose far ends are nodes of a tree over
+//! patches, and needs no more than a few hundred of them per row.
 
 mod balancing;
 mod dense;
 mod near;
 mod quality;
+mod tree;
 
-pub use dense::{AssembleReport, DenseTransport};
+pub use dense::DenseTransport;
 pub use quality::RowQuality;
+pub use tree::{NodeRow, NodeScratch, Sent, TreePlan, TreeTransport};
 
 use std::ops::Range;
 
@@ -24,6 +27,58 @@ pub type Cancelled<'a> = &'a (dyn Fn() -> bool + Sync);
 
 /// For a patch, adds its exchange areas with each of the parts that patches were grouped into.
 pub type Coarsened<'a> = Box<dyn Fn(usize, &mut [f64]) + Sync + 'a>;
+
+/// Which transport is to carry the light.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum TransportKind {
+    /// The matrix where it is small, else the tree.
+    #[default]
+    Auto,
+    /// [`DenseTransport`].
+    Matrix,
+    /// [`TreeTransport`].
+    Tree,
+}
+
+impl TransportKind {
+    /// All of them.
+    pub const ALL: [Self; 3] = [Self::Auto, Self::Matrix, Self::Tree];
+
+    /// As it is written on the command line.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Auto => "auto",
+            Self::Matrix => "matrix",
+            Self::Tree => "tree",
+        }
+    }
+}
+
+/// What sampling and balancing found over all rows.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct AssembleReport {
+    /// Largest |row sum - 1| of a row as sampled, among rows that see no opening to within 1 %.
+    pub worst_closure: f64,
+    /// Area-weighted mean over pairs of |A_i F_ij - A_j F_ji| over their mean, as sampled; of a tree over the pairs with
+    /// some rows that are kept for that.
+    pub mean_reciprocity: f64,
+    /// Rows that were gathered at several points of their patch.
+    pub several_points: usize,
+    /// Close pairs replaced by closed forms.
+    pub close_pairs: usize,
+    /// Scaling passes until the power balance closed.
+    pub passes: usize,
+    /// Largest deviation of a row sum from its target after them; at most 1e-7.
+    pub imbalance: f64,
+    /// Share of the balanced exchange that patches keep to themselves, since those that they see cannot take
+    /// it up: 1e-8 where none has to, more where rows contradict each other.
+    pub kept: f64,
+    /// What nodes that stand for their patches change about the irradiance that surfaces pass on, root mean square over
+    /// the area, of the mean irradiance of any lamp alone and with a reflectance of one; 0 of a matrix.
+    pub joined_error: f64,
+    /// Rows of a tree that were given what their samples had missed of small patches.
+    pub mended: usize,
+}
 
 /// The discrete transport operator: F_ij, the share of what leaves patch i that arrives at patch j, as
 /// exchange areas S_ij = A_i F_ij, balanced so that what is sent arrives.
@@ -54,6 +109,18 @@ pub trait Transport: std::fmt::Debug + Send + Sync {
     /// Row `i` for whoever wants to look at it: the patches that it sees in rising order and its exchange
     /// areas with them, m², without itself ([`Self::own`]).
     fn row(&self, i: usize) -> Vec<(u32, f64)>;
+
+    /// Of row `i` the patches that it holds one by one, with its exchange areas, m², in rising order: all that it sees, or
+    /// those among them that do not stand in groups.
+    fn singles(&self, i: usize) -> Vec<(u32, f64)> {
+        self.row(i)
+    }
+
+    /// Values stored of row `i`.
+    fn row_entries(&self, i: usize) -> usize;
+
+    /// Which it is.
+    fn kind(&self) -> TransportKind;
 
     /// Exchange area of patch `i` with itself, m²: what rounding leaves of its row.
     fn own(&self, i: usize) -> f64;

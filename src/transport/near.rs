@@ -14,6 +14,17 @@ const CLOSE: f64 = 2.0;
 /// A pair seen to this fraction or more is taken as fully visible: sampling noise, not a shadow.
 const CLEAR: f64 = 0.9;
 
+/// Row sums within this of one count as closed: what rounding leaves of a row.
+const CLOSED: f64 = 2e-5;
+/// A row that sums to less than this in a sealed scene is that of a patch under something: the rest is sides that
+/// no light reaches.
+const UNDER: f64 = 0.5;
+/// Within this of one a row may owe the rest to seams: closed forms change it only where rays along its
+/// surface leave.
+const NEARLY_CLOSED: f64 = 2e-3;
+/// What closed forms leave open beyond this is no rounding of theirs.
+const GAP: f64 = 5e-4;
+
 /// Whether the centre points would misjudge the pair. Facets of clusters are gathered at several points, and have no closed form
 /// that would not cost more than those.
 pub(super) fn is_close(a: &Patch, b: &Patch) -> bool {
@@ -22,6 +33,16 @@ pub(super) fn is_close(a: &Patch, b: &Patch) -> bool {
         && !b.is_cluster
         && a.region != b.region
         && a.centre.distance_squared(b.centre) < reach * reach
+}
+
+/// Within this many times the sum of their radii the two samples of a pair may differ in more than noise.
+const NEAR: f64 = 8.0;
+
+/// Whether both samples of a pair count even where rows are those of receivers: near pairs, as the centre of a large patch
+/// says little about small ones beside it, and those with a lamp, of which one side alone is trusted.
+pub(super) fn is_paired(computer: &RowComputer, a: &Patch, b: &Patch) -> bool {
+    let reach = NEAR * (a.radius + b.radius);
+    a.centre.distance_squared(b.centre) < reach * reach || trust(computer, a, b).contains(&0.0)
 }
 
 /// A lamp of less than this fraction of a receiver's radius judges the pair better than the receiver.
@@ -45,6 +66,24 @@ pub(super) fn trust(computer: &RowComputer, a: &Patch, b: &Patch) -> [f64; 2] {
     }
 }
 
+/// What row `index` would have sampled of a patch if nothing stood between, from the very points that it was gathered
+/// at: an exchange area, m².
+fn from_points(computer: &RowComputer, index: u32, row: &Row, other: u32) -> f64 {
+    let patch = &computer.mesh().patches[index as usize];
+    let points = computer.open_points(index, row.points, row.covered);
+    patch.area * points.iter().map(|&(x, w)| w * computer.unoccluded(x, patch.normal, other)).sum::<f64>()
+}
+
+/// The visible fraction of a pair times its closed form, m².
+fn mended(mesh: &PatchMesh, a: &Patch, b: &Patch, (sampled, from_points): (f64, f64)) -> f64 {
+    if from_points <= 0.0 {
+        return sampled;
+    }
+    let visible = sampled / from_points;
+    let visible = if visible >= CLEAR { 1.0 } else { visible };
+    visible * exact(mesh, a, b)
+}
+
 /// Exchange area A_i F_ij of a close pair, from both sampled rows and closed forms, m².
 fn exchange(computer: &RowComputer, rows: &[Row], i: u32, j: u32) -> f64 {
     let mesh = computer.mesh();
@@ -52,24 +91,13 @@ fn exchange(computer: &RowComputer, rows: &[Row], i: u32, j: u32) -> f64 {
     let [of_a, of_b] = trust(computer, a, b);
     let (out, back) = (a.area * rows[i as usize].get(j), b.area * rows[j as usize].get(i));
     let sampled = of_a * out + of_b * back;
-    // The closed form from the very points that the rows were gathered at.
-    let from = |patch: &Patch, index: u32, other: u32| -> f64 {
-        let row = &rows[index as usize];
-        let points = computer.open_points(index, row.points, row.covered);
-        patch.area * points.iter().map(|&(x, w)| w * computer.unoccluded(x, patch.normal, other)).sum::<f64>()
-    };
-    let mut from_points = 0.0;
-    for (weight, patch, index, other) in [(of_a, a, i, j), (of_b, b, j, i)] {
+    let mut unhidden = 0.0;
+    for (weight, index, other) in [(of_a, i, j), (of_b, j, i)] {
         if weight > 0.0 {
-            from_points += weight * from(patch, index, other);
+            unhidden += weight * from_points(computer, index, &rows[index as usize], other);
         }
     }
-    if from_points <= 0.0 {
-        return sampled;
-    }
-    let visible = sampled / from_points;
-    let visible = if visible >= CLEAR { 1.0 } else { visible };
-    visible * exact(mesh, a, b)
+    mended(mesh, a, b, (sampled, unhidden))
 }
 
 fn exact(mesh: &PatchMesh, a: &Patch, b: &Patch) -> f64 {
@@ -82,10 +110,14 @@ fn exact(mesh: &PatchMesh, a: &Patch, b: &Patch) -> f64 {
 }
 
 /// Sum of row i by closed forms, if all that it sees is close and fully visible, and the scene is open
-/// beside it; else `None`.
-pub(super) fn sum_in_closed_form(computer: &RowComputer, rows: &[Row], i: u32) -> Option<f64> {
+/// beside it; else `None`. `exchange` tells what a close pair comes to, m².
+fn sum_in_closed_form(
+    computer: &RowComputer,
+    (i, row): (u32, &Row),
+    exchange: &dyn Fn(u32) -> f64,
+) -> Option<f64> {
     let mesh = computer.mesh();
-    let (a, row) = (&mesh.patches[i as usize], &rows[i as usize]);
+    let a = &mesh.patches[i as usize];
     // What the centre does not see of a closed scene, other points of the patch do.
     if !computer.rays().opens_sideways(a.centre, &Frame::around(a.normal)) {
         return None;
@@ -97,12 +129,66 @@ pub(super) fn sum_in_closed_form(computer: &RowComputer, rows: &[Row], i: u32) -
             return None;
         }
         let whole = exact(mesh, a, b);
-        if exchange(computer, rows, i, j) < whole {
+        // From the other side the same closed form may round differently.
+        if exchange(j) < whole * (1.0 - 1e-12) {
             return None;
         }
         sum += whole / a.area;
     }
     Some(sum)
+}
+
+/// What row i must sum to: 1 less the sky as sampled, where closed forms did not change its share.
+///
+/// What a close pair gains over its sample the others lose, sky and patches alike. Without sky the
+/// sum stays 1; where close pairs are all that is seen, it becomes that of their closed forms, since
+/// from one point the gap between two near plates is not seen at all.
+///
+/// `exchange` tells what a close pair comes to, m², and `None` of others; `sealed` is of the scene.
+pub(super) fn row_target(
+    computer: &RowComputer,
+    (i, row, sum): (u32, &Row, f64),
+    exchange: &dyn Fn(u32) -> Option<f64>,
+    sealed: bool,
+) -> f64 {
+    let mesh = computer.mesh();
+    if sealed && sum > UNDER {
+        // What lines miss of facets thinner than they stand apart is no opening.
+        return 1.0;
+    }
+    let nearly = sum > 1.0 - NEARLY_CLOSED;
+    if sum > 1.0 - CLOSED {
+        let exact = sum_in_closed_form(computer, (i, row), &|j| exchange(j).unwrap_or(0.0));
+        return exact.filter(|&exact| exact < 1.0 - GAP).unwrap_or(1.0);
+    }
+    let patch = &mesh.patches[i as usize];
+    if nearly && !computer.rays().opens_sideways(patch.centre, &Frame::around(patch.normal)) {
+        return sum;
+    }
+    let area = patch.area;
+    let (mut exact, mut sampled) = (0.0, 0.0);
+    for &j in &row.patches {
+        if let Some(value) = exchange(j) {
+            exact += value / area;
+            sampled += row.get(j);
+        }
+    }
+    let sky = 1.0 - sum;
+    let others = sky + (sum - sampled).max(0.0);
+    (sum + (exact - sampled) * sky / others).clamp(0.0, 1.0)
+}
+
+/// The close pairs of row i in rising order, each with its exchange area, m², as this row alone tells it.
+pub(super) fn of_receiver(computer: &RowComputer, (i, row): (u32, &Row)) -> Vec<(u32, f64)> {
+    let mesh = computer.mesh();
+    let a = &mesh.patches[i as usize];
+    let seen = row.patches.iter().zip(&row.values);
+    seen.filter(|&(&j, _)| j != i && is_close(a, &mesh.patches[j as usize]))
+        .map(|(&j, &value)| {
+            let samples = (a.area * f64::from(value), from_points(computer, i, row, j));
+            (j, mended(mesh, a, &mesh.patches[j as usize], samples))
+        })
+        .collect()
 }
 
 /// The close pairs of row i with j > i, each with its exchange area.

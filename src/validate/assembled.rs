@@ -2,7 +2,7 @@ use super::CaseError;
 use crate::mesh::Patch;
 use crate::scene::{Lighting, Scene};
 use crate::solve::{
-    Control, Prepared, Progress, Run, SolveSettings, Timings, patch_reflectance, prepare, system,
+    Control, Prepared, Progress, RowStore, Run, SolveSettings, Timings, patch_reflectance, prepare, system,
 };
 use crate::solver::{LightBases, SweepReport, System};
 use crate::transport::Transport;
@@ -27,7 +27,8 @@ impl Assembled {
         let prepared = prepare(scene, settings)?;
         let system = system(&prepared, &patch_reflectance(&prepared.mesh, &|_| None));
         let transport = run(|run| {
-            let (mut rows, _) = run.rows(&prepared, &system, None, &mut Vec::new())?;
+            let mut rows = RowStore::default();
+            run.rows(&prepared, &system, None, None, &mut rows)?;
             run.assemble(&prepared, &mut rows)
         })?;
         Ok(Self { prepared, transport })

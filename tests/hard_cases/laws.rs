@@ -7,6 +7,7 @@ use lumenwalk::mesh::PatchTarget;
 use lumenwalk::scene::Scene;
 use lumenwalk::solve::SolveSettings;
 use lumenwalk::solver::{LightBases, SweepReport, System};
+use lumenwalk::transport::TransportKind;
 use std::sync::Arc;
 
 /// What a scene is beyond the laws that hold for all.
@@ -35,6 +36,10 @@ pub(crate) fn hold(name: &str, scene: &Arc<Scene>, kind: Kind) {
         let settings = settings(PatchTarget::Count(patches), method, resolution);
         hold_with(&format!("{name}, {} {resolution}", method.name()), scene, kind, &settings);
     }
+    let (method, resolution, patches) = QUALITIES[0];
+    let matrix = settings(PatchTarget::Count(patches), method, resolution);
+    let settings = SolveSettings { transport: TransportKind::Tree, ..matrix };
+    hold_with(&format!("{name}, by a tree"), scene, kind, &settings);
 }
 
 #[track_caller]
@@ -64,6 +69,10 @@ fn form_factors_hold(name: &str, made: &Assembled, kind: Kind) {
         assert!(p.centre.is_finite() && p.area > 0.0 && p.area.is_finite(), "{}", place());
         for (j, s) in f.row(i) {
             assert!(s >= 0.0 && s.is_finite(), "{}: S = {s}", place());
+            if f.kind() == TransportKind::Tree {
+                // Rows of receivers: sums of rows and columns are held to instead.
+                continue;
+            }
             let back = f.row(j as usize);
             let at = back
                 .binary_search_by_key(&(i as u32), |entry| entry.0)

@@ -1,7 +1,7 @@
 //! What the matrix answers to those who ask the operator.
 
-use super::{AssembleReport, DenseTransport};
-use crate::transport::{Cancelled, Coarsened, Lanes, RowQuality, Transport};
+use super::DenseTransport;
+use crate::transport::{AssembleReport, Cancelled, Coarsened, Lanes, RowQuality, Transport, TransportKind};
 use rayon::prelude::*;
 use std::ops::Range;
 use std::sync::atomic::Ordering;
@@ -63,6 +63,14 @@ impl Transport for DenseTransport {
     fn row(&self, i: usize) -> Vec<(u32, f64)> {
         let (columns, values) = self.stored(i);
         columns.iter().zip(values).map(|(&j, &s)| (j, f64::from(s))).collect()
+    }
+
+    fn row_entries(&self, i: usize) -> usize {
+        self.stored(i).0.len()
+    }
+
+    fn kind(&self) -> TransportKind {
+        TransportKind::Matrix
     }
 
     fn own(&self, i: usize) -> f64 {
