@@ -227,3 +227,20 @@ fn a_model_on_its_side_in_inches_is_set_right_with_one_click() {
         (scene.bounds().size().z - 3.0).abs() < 1.0 && scene.findings.iter().all(|f| f.remedy.is_none())
     }));
 }
+
+#[test]
+fn light_is_refined_where_one_looks_unless_one_does_not_want_that() {
+    let worker = Counting::showing(solved());
+    let mut harness = window(&worker, false);
+    let (on, focus) = worker.leisure().expect("the window tells");
+    let pose = harness.state().camera().expect("a camera").eye;
+    assert!(on && focus.is_some_and(|focus| focus.eye.distance(pose) < 1e-9 && focus.half_angle > 0.3));
+    click(&mut harness, "Method and quality");
+    harness.run_steps(20);
+    click(&mut harness, "Refine while idle");
+    assert_eq!(worker.leisure().map(|told| told.0), Some(false));
+    worker.publish(|snapshot| snapshot.refining = Some(0.4));
+    harness.run_steps(3);
+    assert!(says(&harness, "refining shadows"), "it is told");
+    assert_eq!(worker.requests(), Vec::<String>::new(), "nothing is solved anew");
+}

@@ -231,7 +231,7 @@ mod tests {
         let scene = from_text("floor", obj, "", Some(sidecar)).unwrap();
         let told = |index: usize, measure: Measure| {
             let luminaire = &scene.luminaires[index];
-            let lamp = Lamp { luminaire, full_lumens: 0.0, measure };
+            let lamp = Lamp { index: 0, luminaire, full_lumens: 0.0, measure };
             let dimmed = LampState { dimmer: 0.5, ..luminaire.initial };
             [luminaire.initial, dimmed]
                 .map(|state| format!("{} {}", units::digits(lamp.amount(state)), measure.unit()))
