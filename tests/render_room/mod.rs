@@ -77,6 +77,7 @@ impl Room {
                 }],
                 start_view: 0,
                 patch_size: None,
+                outdoors: None,
                 findings: Vec::new(),
             },
         }
