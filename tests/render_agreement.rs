@@ -146,12 +146,8 @@ fn view_and_still_agree_within_one_per_cent() {
     for (shading, name) in [(Shading::Gouraud, "gouraud"), (Shading::Flat, "flat")] {
         let room = Lit::room(shading);
         let mut renderer = room.renderer(&gpu);
-        let outside = Camera::looking_at(
-            glam::DVec3::new(-3.0, 5.0, 9.0),
-            glam::DVec3::new(2.0, 1.0, 2.0),
-            glam::DVec3::Y,
-            50.0,
-        );
+        let outside =
+            Camera::looking_at(DVec3::new(-3.0, 5.0, 9.0), DVec3::new(2.0, 1.0, 2.0), DVec3::Y, 50.0);
         for (camera, view) in [(camera(&room.scene), "inside"), (outside, "outside")] {
             for tone_map in ToneMap::ALL {
                 let frame = room.frame(camera, tone_map);
@@ -339,7 +335,7 @@ fn false_colours_are_those_of_the_legend() {
                 for x in (0..SIZE[0]).step_by(7) {
                     // Only where the neighbourhood is one patch: edges may fall to either side.
                     let patch_at = |dx: f64, dy: f64| {
-                        let pixel = glam::DVec2::new(f64::from(x) + 0.5 + dx, f64::from(y) + 0.5 + dy);
+                        let pixel = DVec2::new(f64::from(x) + 0.5 + dx, f64::from(y) + 0.5 + dy);
                         picker.pick(&frame.camera.ray(pixel, SIZE)).and_then(|p| p.patch)
                     };
                     let around = [(0.0, 0.0), (-1.0, -1.0), (1.0, -1.0), (-1.0, 1.0), (1.0, 1.0)];
@@ -368,14 +364,9 @@ fn every_mode_draws_something_of_its_own() {
     let room = Lit::room(Shading::Gouraud);
     let mut renderer = room.renderer(&gpu);
     let plain = room.frame(camera(&room.scene), ToneMap::Neutral);
-    let outside = Camera::looking_at(
-        glam::DVec3::new(-3.0, 5.0, 9.0),
-        glam::DVec3::new(2.0, 1.0, 2.0),
-        glam::DVec3::Y,
-        50.0,
-    );
+    let outside = Camera::looking_at(DVec3::new(-3.0, 5.0, 9.0), DVec3::new(2.0, 1.0, 2.0), DVec3::Y, 50.0);
     let patch = Picker::new(&room.mesh)
-        .pick(&plain.camera.ray(glam::DVec2::new(160.0, 100.0), SIZE))
+        .pick(&plain.camera.ray(DVec2::new(160.0, 100.0), SIZE))
         .and_then(|pick| pick.patch);
     assert!(patch.is_some());
     let frames = [
@@ -432,8 +423,8 @@ fn stills_have_all_layers_and_can_be_given_up() {
         if patch.material == render_room::WHITE {
             let expected = patch.reflectance[0] as f32 * still.irradiance[index][0] / std::f32::consts::PI;
             let same_patch = (0..4).all(|k| {
-                let at = glam::DVec2::new((index % 64) as f64, (index / 64) as f64)
-                    + glam::DVec2::new((k % 2) as f64, (k / 2) as f64);
+                let at = DVec2::new((index % 64) as f64, (index / 64) as f64)
+                    + DVec2::new((k % 2) as f64, (k / 2) as f64);
                 let pick = picker.pick(&camera.ray(at, options.size_px));
                 pick.and_then(|p| p.patch) == Some(still.patch_id[index])
             });

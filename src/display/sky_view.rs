@@ -48,8 +48,8 @@ impl<'a> SkyView<'a> {
         Some(Self { outdoors, light: SkyLight::of(outdoors, lighting) })
     }
 
-    /// Radiosity in W/m² per band of a diffuse surface that would look as bright as what lies in a direction of
-    /// the model: pi times the radiance of sky or ground, with the sun's disc.
+    /// Radiosity in W/m² per band of a diffuse surface that would look as bright as what lies in a direction
+    /// of the model: pi times the radiance of sky or ground, with the sun's disc.
     pub fn radiosity(&self, direction: DVec3) -> [f32; 3] {
         let in_sky = self.outdoors.compass.to_sky(direction);
         let sky = relative(self.outdoors, in_sky) as f32;
@@ -67,10 +67,11 @@ fn relative(outdoors: &Outdoors, in_sky: DVec3) -> f64 {
     if unit > 0.0 { PI * outdoors.daylight.radiance(in_sky) / unit } else { 0.0 }
 }
 
-/// Distance between unit vectors to the middle and to the edge of the sun's disc; `None` where it does not shine.
+/// Distance between unit vectors to the middle and to the edge of the sun's disc; `None` where it does not
+/// shine.
 ///
-/// A disc of the solid angle w has the chord sqrt(w / pi), so that the sun's irradiance over the chord's square
-/// is pi times its radiance.
+/// A disc of the solid angle w has the chord sqrt(w / pi), so that the sun's irradiance over the chord's
+/// square is pi times its radiance.
 fn sun_chord(outdoors: &Outdoors) -> Option<f64> {
     let daylight = &outdoors.daylight;
     let solid_angle = daylight.direct_normal() / daylight.sun_luminance();

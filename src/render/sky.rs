@@ -129,8 +129,8 @@ impl SkyPipelines {
         });
     }
 
-    /// Draws a sky that has been [prepared](UploadedSky::prepare) wherever there is no surface yet. The bind group
-    /// of the frame stays.
+    /// Draws a sky that has been [prepared](UploadedSky::prepare) wherever there is no surface yet. The bind
+    /// group of the frame stays.
     pub(super) fn draw(&self, pass: &mut wgpu::RenderPass<'_>, sky: &UploadedSky, key: (ToneMap, u32)) {
         if let Some(pipeline) = self.pipelines.get(&key) {
             pass.set_pipeline(pipeline);

@@ -56,11 +56,11 @@ pub struct Still {
     pub width: u32,
     /// Pixels down.
     pub height: u32,
-    /// Radiance averaged over the pixel, W/(m² sr) per band: B / pi of surfaces, and that of sky, ground and sun
-    /// where there is none. A background counts as zero.
+    /// Radiance averaged over the pixel, W/(m² sr) per band: B / pi of surfaces, and that of sky, ground and
+    /// sun where there is none. A background counts as zero.
     pub radiance: Vec<[f32; 3]>,
-    /// Share of the pixel that shows a surface, 0..1. A sky is none: with this as its alpha a picture can be put
-    /// before another one.
+    /// Share of the pixel that shows a surface, 0..1. A sky is none: with this as its alpha a picture can be
+    /// put before another one.
     pub coverage: Vec<f32>,
     /// Exposed, tone-mapped, then averaged: display-linear 0..1, background included.
     pub display: Vec<[f32; 3]>,

@@ -78,6 +78,7 @@ impl Room {
                 start_view: 0,
                 patch_size: None,
                 photometric_files: Vec::new(),
+                outdoors: None,
                 findings: Vec::new(),
             },
         }
