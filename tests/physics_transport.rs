@@ -7,8 +7,8 @@ use lumenwalk::form_factors::{Method, ReceivingPoints, Sampling};
 use lumenwalk::mesh::PatchTarget;
 use lumenwalk::scene::{Scene, luminance_weighted};
 use lumenwalk::solve::{
-    Control, Prepared, Progress, RowStore, Run, Solution, SolveSettings, Stage, Timings, patch_reflectance,
-    prepare, system,
+    Control, DirectTarget, Prepared, Progress, RowStore, Run, Solution, SolveSettings, Stage, Timings,
+    patch_reflectance, prepare, system,
 };
 use lumenwalk::solver::LightBases;
 use lumenwalk::transport::{LANES, Lanes, Transport, TransportKind};
@@ -16,7 +16,9 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 fn by(kind: TransportKind, patches: usize) -> SolveSettings {
-    SolveSettings { transport: kind, resolution: Some(96), ..lines(PatchTarget::Count(patches)) }
+    // Direct light is the same to both: a coarse one will do.
+    let direct = DirectTarget { most: 2000, work: 2_000_000, ..DirectTarget::default() };
+    SolveSettings { transport: kind, resolution: Some(96), direct, ..lines(PatchTarget::Count(patches)) }
 }
 
 /// Irradiance of all patches as the lamps come, and the root mean square over the area of how it differs from another,

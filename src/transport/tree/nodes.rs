@@ -363,7 +363,11 @@ pub(super) mod tests {
         let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
         let (one, other) = (dot(&tree.means(&x), &y), dot(&x, &tree.spread(y.clone())));
         assert!((one - other).abs() < 1e-10 * one, "{one} and {other}");
-        assert!(tree.means(&vec![1.0; x.len()]).iter().all(|mean| (mean - 1.0).abs() < 1e-12));
+        for (node, mean) in (0..).zip(tree.means(&vec![1.0; x.len()])) {
+            // Nodes of nothing but buried patches send nothing.
+            let expected = f64::from(u8::from(tree.area(node) > 0.0));
+            assert!((mean - expected).abs() < 1e-12, "node {node}: {mean}");
+        }
     }
 
     #[test]
