@@ -95,7 +95,7 @@ mod tests {
             };
             Watch::nobody(|watch| Elements::build(&mesh, &light, &settings, watch)).expect("nobody ends it")
         };
-        let ahead = Focus { eye, forward, half_angle: 0.4 };
+        let ahead = Focus { eye, forward, half_angle: 0.12 };
         let behind = Focus { forward: -forward, ..ahead };
         let in_sight =
             |elements: &Elements| elements.leaves().filter(|e| ahead.solid_angle(elements, e) > 0.0).count();
@@ -104,7 +104,7 @@ mod tests {
         let (before, after) = (in_sight(&none), in_sight(&seen));
         assert!(after as f64 > 1.3 * before as f64, "{before} elements in sight, then {after}");
         // From below the floor nothing is open to the eye, so that all counts alike.
-        let buried = Focus { eye: DVec3::new(eye.x, -50.0, eye.z), forward: DVec3::Y, half_angle: 0.4 };
+        let buried = Focus { eye: DVec3::new(eye.x, -50.0, eye.z), forward: DVec3::Y, half_angle: 0.12 };
         assert_eq!(laid_out(Some(buried)).elements, none.elements);
     }
 }

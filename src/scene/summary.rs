@@ -1,7 +1,7 @@
 //! What a scene holds, in numbers.
 
 use super::luminaires::lumens;
-use super::types::{LengthUnit, Scene, UpAxis};
+use super::types::{LengthUnit, Scene, UpAxis, illuminance};
 use crate::geometry::{Aabb, polygon};
 use std::fmt;
 
@@ -66,6 +66,9 @@ pub struct LuminaireSummary {
     pub initial_lumens: f64,
     /// Polygons that it is made of.
     pub surfaces: usize,
+    /// Of the sky the illuminance of the open horizontal, of the sun that of a surface which faces it, lx; their flux is
+    /// without bounds.
+    pub lux: Option<f64>,
 }
 
 impl Summary {
@@ -91,6 +94,11 @@ impl Summary {
             lumens: full,
             initial_lumens: initial,
             surfaces: scene.surfaces.iter().filter(|s| s.luminaire == Some(index as u32)).count(),
+            lux: scene
+                .outdoors
+                .as_ref()
+                .filter(|outdoors| [outdoors.sky, outdoors.sun].contains(&(index as u32)))
+                .map(|_| illuminance(luminaire.initial.exitance)),
         });
         let start = scene.views.iter().skip(scene.start_view).take(1);
         let others = scene.views.iter().enumerate().filter(|(i, _)| *i != scene.start_view).map(|(_, v)| v);
@@ -163,6 +171,10 @@ impl fmt::Display for Summary {
         writeln!(f, "  luminaires  {}", self.luminaires.len())?;
         let column = width(&mut self.luminaires.iter().map(|l| l.name.as_str()));
         for lamp in &self.luminaires {
+            if let Some(lux) = lamp.lux {
+                writeln!(f, "    {:column$}  {lux:.0} lx in the open", lamp.name)?;
+                continue;
+            }
             let polygons = polygons(lamp.surfaces);
             write!(f, "    {:column$}  {:.0} lm, {:.4} m2 in {polygons}", lamp.name, lamp.lumens, lamp.area)?;
             match lamp.initial_lumens {

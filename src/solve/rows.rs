@@ -58,7 +58,9 @@ fn pass_on(
 }
 
 fn lamps(prepared: &Prepared) -> Vec<u32> {
-    let shines = |&i: &u32| prepared.mesh.patches[i as usize].luminaire.is_some();
+    let mesh = &prepared.mesh;
+    // What glows by photometry lights nothing by itself.
+    let shines = |&i: &u32| mesh.patches[i as usize].luminaire.is_some_and(|lamp| !mesh.is_photometric(lamp));
     (0..prepared.mesh.patches.len() as u32).filter(shines).collect()
 }
 
