@@ -48,6 +48,9 @@ pub struct TreeTransport {
     passes: Arc<AtomicU64>,
 }
 
+/// Entries of each row, and the square of what taking both samples changes of it.
+type Paired = (Vec<Box<[Entry]>>, Vec<f32>);
+
 /// A patch that others send less than this share of what it should send itself was missed by their samples.
 const MISSED: f64 = 0.3;
 /// Shares of the time by which near pairs are done, and what samples missed.
@@ -125,7 +128,7 @@ fn paired(
     plan: &TreePlan,
     rows: &[NodeRow],
     watch: &mut Watch<'_>,
-) -> Result<(Vec<Box<[Entry]>>, Vec<f32>), Cancelled> {
+) -> Result<Paired, Cancelled> {
     let patches = &computer.mesh().patches;
     // What others say of each patch, in rising order of those.
     let mut said: Vec<Vec<(u32, f32)>> = vec![Vec::new(); rows.len()];

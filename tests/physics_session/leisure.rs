@@ -37,7 +37,7 @@ fn settled_light_becomes_finer_while_nothing_is_asked_for_and_costs_no_row() {
     // It is the same light, and the power of the lamps still arrives.
     let lighting = solved.scene.lighting();
     let [before, after] = [&whole, &solved].map(|solution| solution.light(&lighting));
-    let [old, new] = [&before, &after].map(|light| light.power(&solved.mesh, &solved.reflectance));
+    let [old, new] = [&before, &after].map(|light| light.power(&solved.mesh, &solved.reflectance, &lighting));
     assert!((new.absorbed / old.absorbed - 1.0).abs() < 1e-3, "{old:?}, then {new:?}");
     watched.session.refine_at_leisure(false);
     watched.until("rest", |snapshot| snapshot.refining.is_none());

@@ -301,7 +301,7 @@ fn halved(items: &mut [Item], apart: f64) -> (&mut [Item], &mut [Item]) {
 fn split<T>(items: &mut [T], key: impl Fn(&T) -> f64, [low, high]: [f64; 2]) -> (&mut [T], &mut [T]) {
     let middle = 0.5 * (low + high);
     // A sort that keeps the order of equals: the same tree on every run.
-    items.sort_by(|a, b| (key(a) >= middle).cmp(&(key(b) >= middle)));
+    items.sort_by_key(|item| key(item) >= middle);
     let at = items.partition_point(|item| key(item) < middle);
     let at = if (1..items.len()).contains(&at) { at } else { items.len() / 2 };
     items.split_at_mut(at)
