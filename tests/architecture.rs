@@ -46,7 +46,7 @@ const ROOMS: &[(&str, &str)] = &[
     ),
     (
         "cli",
-        "daylight photometry ui study outputs export render navigation display validate solve accuracy solver direct emitters form_factors \
+        "daylight photometry ui study outputs export render navigation display validate solve accuracy solver transport direct emitters form_factors \
          effects mesh scene geometry",
     ),
 ];
