@@ -14,6 +14,7 @@ mod colour;
 mod command;
 mod comparison;
 mod doctor;
+mod drawn;
 mod execute;
 mod exposure;
 mod files;

@@ -5,6 +5,7 @@
 //! at once where a lamp is switched.
 
 use super::comparison::Kept;
+use super::drawn::Drawn;
 use super::exposure::Metered;
 use super::lit::{LightMaker, Lit, Source};
 use super::panels::solver::is_running;
@@ -112,27 +113,6 @@ impl Built {
     }
 }
 
-/// What is drawn: the mesh of a snapshot, and the elements that it is divided into.
-#[derive(Clone, Debug)]
-struct Drawn {
-    mesh_serial: u64,
-    elements: Option<Arc<Elements>>,
-}
-
-impl Drawn {
-    fn of(prepared: &Prepared) -> Self {
-        Self { mesh_serial: prepared.mesh_serial, elements: prepared.display.elements().cloned() }
-    }
-
-    fn is(&self, other: &Self) -> bool {
-        self.mesh_serial == other.mesh_serial
-            && match (&self.elements, &other.elements) {
-                (Some(one), Some(another)) => Arc::ptr_eq(one, another),
-                (one, another) => one.is_none() && another.is_none(),
-            }
-    }
-}
-
 /// What changed since the last look, for the caller to act on.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(super) struct News {
@@ -208,15 +188,22 @@ impl Picture {
         reclaim.later(self.arriving.take_if(|built| built.prepared.mesh_serial != serial));
         let mut news = News::default();
         match self.maker.take() {
-            Some(lit) if lit.source.prepared.mesh_serial == serial => {
+            // Light of the mesh that waits brings that; light of another than what is or comes on screen is of no use.
+            Some(lit) if self.is_arriving(&lit.source.prepared) => {
                 news.mesh = self.bring_mesh(reclaim);
+                self.take_light(lit, reclaim);
+                news.bases = true;
+            }
+            Some(lit) if self.is_present(&lit.source.prepared, serial) => {
                 self.take_light(lit, reclaim);
                 news.bases = true;
             }
             stale => reclaim.later(stale),
         }
         let arriving = self.arriving.as_ref().map(|built| &built.prepared);
-        let Some(prepared) = arriving.or(self.prepared.as_ref()).filter(|p| p.mesh_serial == serial) else {
+        // With other elements the light would not fit the mesh: one that has them is on its way.
+        let wanted = Drawn::by(snapshot);
+        let Some(prepared) = arriving.or(self.prepared.as_ref()).filter(|p| Drawn::of(p).is(&wanted)) else {
             return news;
         };
         match snapshot.bases().zip(snapshot.reflectance()) {
@@ -237,6 +224,16 @@ impl Picture {
             _ => {}
         }
         news
+    }
+
+    /// Whether this is the mesh that waits for its light.
+    fn is_arriving(&self, prepared: &Arc<Prepared>) -> bool {
+        self.arriving.as_ref().is_some_and(|built| Arc::ptr_eq(&built.prepared, prepared))
+    }
+
+    /// Whether this is the mesh on screen, and still the newest.
+    fn is_present(&self, prepared: &Arc<Prepared>, serial: u64) -> bool {
+        self.prepared.as_ref().is_some_and(|own| Arc::ptr_eq(own, prepared) && own.mesh_serial == serial)
     }
 
     fn is_lit_by(&self, bases: &Arc<LightBases>, reflectance: &Arc<Vec<[f32; 3]>>) -> bool {
@@ -270,8 +267,8 @@ impl Picture {
     fn start_building(&mut self, snapshot: &Snapshot, wake: impl FnOnce() + Send + 'static) {
         let serial = snapshot.mesh_serial;
         let (Some(scene), Some(mesh)) = (snapshot.scene(), snapshot.mesh()) else { return };
-        let elements = snapshot.element_light().map(|light| Arc::clone(&light.elements));
-        let wanted = Drawn { mesh_serial: serial, elements: elements.clone() };
+        let wanted = Drawn::by(snapshot);
+        let elements = wanted.elements.clone();
         let shown = self.prepared.as_ref().map(|p| Drawn::of(p));
         let arriving = self.arriving.as_ref().map(|built| Drawn::of(&built.prepared));
         let underway = self.building.as_ref().map(|b| b.0.clone());
