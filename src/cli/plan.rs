@@ -3,7 +3,7 @@ use super::lamps::{self, LampOptions};
 use super::options::{EffectOptions, FrameOptions, PatchOptions, transports};
 use super::{solve, text};
 use crate::effects::{EffectPlan, EffectState};
-use crate::solve::{SolveSettings, foreseen, prepare};
+use crate::solve::{SolveSettings, predicted, prepare};
 use crate::transport::TransportKind;
 use clap::Args;
 
@@ -47,12 +47,12 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
         text::count(prepared.scene.surfaces.len(), "surface"),
         text::patches(prepared.mesh.patches.len()),
     );
-    let foreseen = if prepared.scene.luminaires.is_empty() {
+    let predicted = if prepared.scene.luminaires.is_empty() {
         String::new()
     } else {
-        text::foreseen(&foreseen(&prepared)) + "\n"
+        text::predicted(&predicted(&prepared)) + "\n"
     };
-    text::print(&(counts + &foreseen + &describe(&prepared.plan)))
+    text::print(&(counts + &predicted + &describe(&prepared.plan)))
 }
 
 /// Two or three lines an effect: its state, why, on what evidence and at what cost.

@@ -1,6 +1,6 @@
 use super::failure::Failure;
 use crate::scene;
-use crate::solve::Foreseen;
+use crate::solve::Predicted;
 use crate::transport::{Transport, TransportKind};
 use std::io::{self, IsTerminal as _, Write as _};
 
@@ -84,12 +84,12 @@ pub(super) fn transport(transport: &dyn Transport) -> String {
 }
 
 /// What will carry the light, in a line.
-pub(super) fn foreseen(foreseen: &Foreseen) -> String {
+pub(super) fn predicted(predicted: &Predicted) -> String {
     format!(
         "transport: {}, about {} form factors, {} MB\n",
-        foreseen.kind.name(),
-        significant(foreseen.entries),
-        significant(foreseen.bytes / 1e6)
+        predicted.kind.name(),
+        significant(predicted.entries),
+        significant(predicted.bytes / 1e6)
     )
 }
 

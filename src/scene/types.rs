@@ -8,9 +8,7 @@ use crate::geometry::Aabb;
 use glam::{DVec2, DVec3};
 use std::path::{Path, PathBuf};
 
-/// Lumens per watt of equal-energy white in the three bands (the convention of Radiance,
-/// Ward 1994: 179 lm/W).
-pub const LUMINOUS_EFFICACY: f64 = 179.0;
+pub use crate::daylight::LUMINOUS_EFFICACY;
 
 /// Reflectances are clamped to this: no diffuse paint exceeds it, and the light must settle.
 pub const MAX_REFLECTANCE: f64 = 0.98;

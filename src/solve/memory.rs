@@ -120,7 +120,7 @@ pub(super) fn check_memory(
 
 /// What a transport will come to, as a few rows tell it beforehand.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Foreseen {
+pub struct Predicted {
     /// Which is taken; never [`TransportKind::Auto`].
     pub kind: TransportKind,
     /// Values that it will store, about.
@@ -130,7 +130,7 @@ pub struct Foreseen {
 }
 
 /// Tells beforehand which transport a solve of this scene takes and how large it will be, from a few rows.
-pub fn foreseen(prepared: &Prepared) -> Foreseen {
+pub fn predicted(prepared: &Prepared) -> Predicted {
     let computer = &prepared.computer;
     let n = computer.mesh().patches.len() as f64;
     let never = || false;
@@ -142,7 +142,7 @@ pub fn foreseen(prepared: &Prepared) -> Foreseen {
         TransportKind::Tree => per_row.min(ENTRIES),
         _ => per_row * (2.0 - mutual / others.max(1.0)),
     };
-    Foreseen { kind, entries: n * per_row, bytes: n * per_row * 8.0 }
+    Predicted { kind, entries: n * per_row, bytes: n * per_row * 8.0 }
 }
 
 /// Form factors of these rows; of `mirrored` of each how many were looked at from the other side, and how many

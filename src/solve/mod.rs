@@ -15,7 +15,7 @@ mod watched;
 pub use effect_costs::{effect_costs, measured};
 pub use element_light::ElementLight;
 pub use error::PipelineError;
-pub use memory::{Foreseen, available_bytes, foreseen};
+pub use memory::{Predicted, available_bytes, predicted};
 pub use pipeline::{
     Control, DirectTarget, Prepared, Progress, Run, SolveSettings, Stage, Timings, patch_reflectance,
     prepare, solve, system, without_light,

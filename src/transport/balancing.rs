@@ -5,6 +5,7 @@
 //! makes that point exist for any rows: what none of the patches that a patch sees can take up, because their
 //! own rows are full, stays with it.
 
+use super::gradients;
 use crate::watch::{Cancelled, Watch};
 
 /// A patch that is to see less than this share of its area is buried (under a box, say) and inactive.
@@ -143,38 +144,19 @@ impl<'a> Balancing<'a> {
         missing: Vec<f64>,
         watch: &mut Watch<'_>,
     ) -> Result<Vec<f64>, Cancelled> {
-        let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
         // What is inactive has nothing missing, and so no step.
         let diagonal: Vec<f64> = (0..scales.len())
             .map(|i| if scales[i] > 0.0 { sums[i] + 2.0 * self.kept(i, scales[i]) } else { 1.0 })
             .collect();
         let preconditioned =
             |v: &[f64]| -> Vec<f64> { v.iter().zip(&diagonal).map(|(v, d)| v / d).collect() };
-        let mut step = vec![0.0; scales.len()];
-        let mut residual = missing;
-        let mut direction = preconditioned(&residual);
-        let mut left = dot(&residual, &direction);
-        let enough = FORCING * FORCING * left;
-        for _ in 0..MOST_INNER_PASSES {
+        let image = |direction: &[f64]| {
             let columns: Vec<f64> = direction.iter().zip(scales).map(|(d, s)| d * s).collect();
             let mut image = self.scaled_product(scales, &columns, watch)?;
-            image.iter_mut().zip(&diagonal).zip(&direction).for_each(|((v, d), x)| *v += d * x);
-            let curvature = dot(&direction, &image);
-            if curvature <= 0.0 {
-                break;
-            }
-            let length = left / curvature;
-            step.iter_mut().zip(&direction).for_each(|(s, d)| *s += length * d);
-            residual.iter_mut().zip(&image).for_each(|(r, v)| *r -= length * v);
-            let next = preconditioned(&residual);
-            let remaining = dot(&residual, &next);
-            if remaining <= enough {
-                break;
-            }
-            let turn = remaining / left;
-            direction.iter_mut().zip(&next).for_each(|(d, z)| *d = z + turn * *d);
-            left = remaining;
-        }
+            image.iter_mut().zip(&diagonal).zip(direction).for_each(|((v, d), x)| *v += d * x);
+            Ok(image)
+        };
+        let mut step = gradients::solved(missing, (FORCING, MOST_INNER_PASSES), preconditioned, image)?;
         step.iter_mut().for_each(|s| *s = s.clamp(-LARGEST_STEP, LARGEST_STEP));
         Ok(step)
     }

@@ -6,6 +6,7 @@
 
 mod balancing;
 mod dense;
+mod gradients;
 mod near;
 mod quality;
 mod tree;

@@ -6,6 +6,7 @@
 //! gradient, and Newton's, with conjugate gradients on the Schur complement of the columns, where those are slow. The small
 //! self exchange e makes a solution exist for any rows: what others cannot take up stays.
 
+use crate::transport::gradients;
 use crate::watch::{Cancelled, Watch};
 
 /// A patch that is to see less than this share of its area is buried and inactive.
@@ -156,17 +157,11 @@ impl Balancing<'_> {
         watch: &mut Watch<'_>,
     ) -> Result<Vec<f64>, Cancelled> {
         let n = r.len();
-        let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
         let preconditioned = |v: &[f64]| -> Vec<f64> {
             v.iter().zip(sums).map(|(v, s)| if *s > 0.0 { v / s } else { 0.0 }).collect()
         };
-        let mut step = vec![0.0; n];
-        let mut residual = missing;
-        let mut direction = preconditioned(&residual);
-        let mut left = dot(&residual, &direction);
-        let enough = FORCING * FORCING * left;
-        for _ in 0..MOST_INNER_STEPS {
-            let sent: Vec<f64> = r.iter().zip(&direction).map(|(r, d)| r * d).collect();
+        let image = |direction: &[f64]| {
+            let sent: Vec<f64> = r.iter().zip(direction).map(|(r, d)| r * d).collect();
             let columns = self.transposed(&sent, watch)?;
             let means: Vec<f64> =
                 (0..n)
@@ -180,25 +175,9 @@ impl Balancing<'_> {
                     .collect();
             let back: Vec<f64> = c.iter().zip(&means).map(|(c, m)| c * m).collect();
             let rows = self.forward(&back, watch)?;
-            let image: Vec<f64> =
-                (0..n).map(|i| sums[i] * direction[i] - r[i] * (rows[i] + own[i] * back[i])).collect();
-            let curvature = dot(&direction, &image);
-            if curvature <= 0.0 {
-                break;
-            }
-            let length = left / curvature;
-            step.iter_mut().zip(&direction).for_each(|(s, d)| *s += length * d);
-            residual.iter_mut().zip(&image).for_each(|(r, v)| *r -= length * v);
-            let next = preconditioned(&residual);
-            let remaining = dot(&residual, &next);
-            if remaining <= enough {
-                break;
-            }
-            let turn = remaining / left;
-            direction.iter_mut().zip(&next).for_each(|(d, z)| *d = z + turn * *d);
-            left = remaining;
-        }
-        Ok(step)
+            Ok((0..n).map(|i| sums[i] * direction[i] - r[i] * (rows[i] + own[i] * back[i])).collect())
+        };
+        gradients::solved(missing, (FORCING, MOST_INNER_STEPS), preconditioned, image)
     }
 }
 
