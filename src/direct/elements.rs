@@ -4,6 +4,7 @@
 //! across one of its edges, and so is its neighbour there: no corner ever lies within an edge, and colours that are
 //! linear between corners have no seams (longest-edge bisection, Rivara 1984).
 
+use super::sky_parts::SkyParts;
 use crate::mesh::{self, NO_PATCH, PatchMesh, Side};
 use glam::DVec3;
 use std::collections::HashMap;
@@ -49,6 +50,8 @@ pub struct Elements {
     pub(super) regions: Vec<u32>,
     /// Basis and irradiance per unit of its exitance.
     values: Vec<(u32, f32)>,
+    /// What each corner sees of the parts of the sky; empty where the light is that of one hour alone.
+    pub(super) parts: SkyParts,
     /// What the direct light is expected to be off by, RMS over the area: see [`super::ElementSettings::error`].
     pub expected_error: f64,
 }
@@ -153,6 +156,18 @@ impl Elements {
         self.ends.push(self.values.len() as u32);
     }
 
+    /// The same elements without any light.
+    pub(super) fn unlit(&self) -> Self {
+        Self {
+            corners: self.corners.clone(),
+            elements: self.elements.clone(),
+            roots: self.roots.clone(),
+            regions: self.regions.clone(),
+            expected_error: self.expected_error,
+            ..Self::default()
+        }
+    }
+
     /// How many corners have been given light.
     pub(super) fn lit(&self) -> usize {
         self.ends.len()
@@ -231,6 +246,7 @@ impl Elements {
                 new[index] = kept.corners.len() as u32;
                 kept.corners.push(*corner);
                 kept.push_light(self.light_at(index as u32));
+                kept.parts.push_from(&self.parts, index);
             }
         }
         kept.elements = std::mem::take(&mut self.elements);

@@ -14,7 +14,7 @@ const MOST: usize = 16;
 /// A facet of a cluster is looked at by rays where its edge is less than this part of a patch's.
 const SLIGHT: f64 = 0.25;
 
-/// For each element, undivided as they are, what it may see.
+/// For each root what it may see; nothing for what they are divided into.
 pub(super) fn first_views(
     elements: &Elements,
     mesh: &PatchMesh,
@@ -57,7 +57,8 @@ fn is_slight(elements: &Elements, root: u32, mesh: &PatchMesh) -> bool {
 /// are left out.
 fn groups(elements: &Elements, mesh: &PatchMesh) -> Vec<Vec<u32>> {
     let mut of_side: BTreeMap<(u32, u8), Vec<u32>> = BTreeMap::new();
-    for (root, element) in (0_u32..).zip(&elements.elements) {
+    // The roots come first.
+    for (root, element) in (0_u32..).zip(&elements.elements[..elements.regions.len()]) {
         let patch = &mesh.patches[element.patch as usize];
         if !patch.buried {
             of_side.entry((elements.regions[root as usize], patch.side as u8)).or_default().push(root);

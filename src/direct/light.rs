@@ -4,16 +4,17 @@ use super::Clipper;
 use super::fan::Fan;
 use super::obstacles::Obstacles;
 use super::shaft::Shaft;
-use crate::emitters::Emitters;
+use crate::emitters::{Emitters, Source};
 use crate::mesh::PatchMesh;
 use crate::visibility::THICKNESS;
 use glam::DVec3;
+use std::sync::Arc;
 
 /// The emitters of a scene and all that stands before them.
 #[derive(Clone, Debug)]
 pub struct DirectLight {
     emitters: Emitters,
-    obstacles: Obstacles,
+    obstacles: Arc<Obstacles>,
     /// Whether they hide anything from surfaces.
     visibility: bool,
     /// What is nearer to a plane counts as in it, metres.
@@ -115,11 +116,22 @@ impl DirectLight {
     pub fn new(mesh: &PatchMesh, visibility: bool) -> Self {
         Self {
             emitters: Emitters::new(mesh),
-            obstacles: Obstacles::new(mesh),
+            obstacles: Arc::new(Obstacles::new(mesh)),
             visibility,
             thickness: THICKNESS * mesh.size,
             among_many: !mesh.clusters.is_empty(),
         }
+    }
+
+    /// The same among the same surfaces under the sky of another hour: that of this mesh, which is the same otherwise.
+    #[must_use]
+    pub fn at_hour_of(&self, mesh: &PatchMesh) -> Self {
+        Self { emitters: Emitters::new(mesh), ..self.clone() }
+    }
+
+    /// The same with those of its sources alone that are `kept`.
+    pub(super) fn keeping(&self, kept: impl Fn(&Source) -> bool) -> Self {
+        Self { emitters: self.emitters.keeping(kept), ..self.clone() }
     }
 
     /// What sends out light.
@@ -281,15 +293,29 @@ impl DirectLight {
         scratch: &mut Scratch,
         mut add: impl FnMut(u32, f64),
     ) {
+        self.gather_sources(point, normal, views, scratch, |source, value| {
+            for share in source.shares.iter().filter(|share| share.factor > 0.0) {
+                add(share.basis, share.factor * value);
+            }
+        });
+    }
+
+    /// As [`Self::gather`], source by source: irradiance for a unit of what each sends.
+    pub(super) fn gather_sources(
+        &self,
+        point: DVec3,
+        normal: DVec3,
+        views: &Views,
+        scratch: &mut Scratch,
+        mut add: impl FnMut(&Source, f64),
+    ) {
         if views.is_sampled {
             return self.sample(point, normal, scratch, add);
         }
         for (source, obstacles) in views.iter() {
             let value = self.irradiance(source, (point, normal), obstacles, views.anywhere, scratch);
             if value > 0.0 {
-                for share in &self.emitters.sources[source as usize].shares {
-                    add(share.basis, share.factor * value);
-                }
+                add(&self.emitters.sources[source as usize], value);
             }
         }
     }
@@ -364,7 +390,7 @@ impl DirectLight {
     }
 
     /// As [`Self::gather`], of all emitters and by few rays: more to those that would give the more.
-    fn sample(&self, point: DVec3, normal: DVec3, scratch: &mut Scratch, mut add: impl FnMut(u32, f64)) {
+    fn sample(&self, point: DVec3, normal: DVec3, scratch: &mut Scratch, mut add: impl FnMut(&Source, f64)) {
         let Scratch { clipper, outline, found, relative, shares, .. } = scratch;
         // 1. What each would give unhindered.
         found.clear();
@@ -383,19 +409,23 @@ impl DirectLight {
                 shares.push((value, start, relative.len()));
             }
         }
-        let whole: f64 = shares.iter().map(|share| share.0).sum();
+        // Parts of the sky count by how bright they are.
+        let counted = |index: u32, value: f64| {
+            let shares = self.emitters.sources[index as usize].shares.iter();
+            value * shares.map(|share| share.factor).fold(0.0, f64::max)
+        };
+        let whole: f64 = found.iter().zip(shares.iter()).map(|(&index, share)| counted(index, share.0)).sum();
         // 2. What of it is seen.
         for (&index, &(value, start, end)) in found.iter().zip(shares.iter()) {
-            let rays = FEW_RAYS.iter().find(|(least, _)| value >= least * whole).map_or(1.0, |few| few.1);
+            let own = counted(index, value);
+            let rays = FEW_RAYS.iter().find(|(least, _)| own >= least * whole).map_or(1.0, |few| few.1);
             let along = |share| along_for(share * rays);
             let share = match self.visibility {
                 true => self.share_by_rays(index, point, &relative[start..end], along),
                 false => 1.0,
             };
             if share > 0.0 {
-                for basis in &self.emitters.sources[index as usize].shares {
-                    add(basis.basis, basis.factor * share * value);
-                }
+                add(&self.emitters.sources[index as usize], share * value);
             }
         }
     }

@@ -10,13 +10,16 @@ mod elements;
 mod first_views;
 mod focus;
 mod fan;
+mod layout;
 mod light;
 mod obstacles;
 mod refine;
 mod shaft;
+mod sky_parts;
 
 pub use clip::Clipper;
 pub use elements::{Element, ElementCorner, Elements, NO_ELEMENT};
 pub use focus::Focus;
+pub use layout::Layout;
 pub use light::{DirectLight, Scratch, Views};
 pub use refine::ElementSettings;

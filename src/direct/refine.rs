@@ -1,9 +1,10 @@
 //! Elements divided where direct light is not linear between their corners.
 
 use super::elements::{Element, ElementCorner, Elements, NO_ELEMENT};
-use super::first_views::first_views;
 use super::focus::Focus;
+use super::layout::Layout;
 use super::light::{DirectLight, Scratch, Views};
+use crate::emitters::Source;
 use crate::mesh::PatchMesh;
 use crate::watch::{Cancelled, Watch};
 use glam::DVec3;
@@ -50,7 +51,7 @@ const NOTABLE: f64 = 0.02;
 const BULK: f64 = 0.6;
 /// What hides the lamps from an element is looked for anew once it is so small a part of the one that it was looked
 /// for from.
-const NARROWED: f64 = 0.3;
+pub(super) const NARROWED: f64 = 0.3;
 /// Where division has taken this part of the work that it may take, so many times the error asked for is good enough.
 const DEAR: u64 = 25;
 const NEARLY: f64 = 4.0;
@@ -60,15 +61,17 @@ const SHORTEST: f64 = 2e-5;
 const MOST_PASSES: usize = 64;
 
 /// Elements on their way.
-struct Refinement<'a> {
+pub(super) struct Refinement<'a> {
     light: &'a DirectLight,
     settings: &'a ElementSettings,
-    elements: Elements,
+    pub(super) elements: Elements,
+    /// Where only some of the light is looked for, its basis: the rest is linear between the corners that there are.
+    only: Option<u32>,
     /// What each element may see, and how wrong it is expected to be; of leaves alone.
     views: Vec<Arc<Views>>,
     /// Area of the element that these were looked for from, m².
     seen_from: Vec<f64>,
-    /// Triangles of the mesh.
+    /// Elements that it began with.
     whole: usize,
     errors: Vec<f64>,
     /// Whether it lies open to the one who looks on; empty where there is nobody.
@@ -78,7 +81,7 @@ struct Refinement<'a> {
     /// Edges that have an element on one side alone.
     borders: HashSet<(u32, u32)>,
     /// Mean light of all bases together.
-    mean: f64,
+    pub(super) mean: f64,
     area: f64,
     /// Obstacles looked at so far.
     work: u64,
@@ -87,7 +90,25 @@ struct Refinement<'a> {
     shortest: f64,
 }
 
-type Light = Vec<(u32, f32)>;
+pub(super) type Light = Vec<(u32, f32)>;
+
+/// What is found at a point.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Found {
+    /// Basis and irradiance, bases in rising order.
+    pub(super) light: Light,
+    /// What is seen of parts of the sky, by [`super::sky_parts::SkyParts`].
+    pub(super) parts: Vec<(u16, f32)>,
+}
+
+impl Found {
+    pub(super) fn add(&mut self, basis: u32, value: f32) {
+        match self.light.binary_search_by_key(&basis, |entry| entry.0) {
+            Ok(at) => self.light[at].1 += value,
+            Err(at) => self.light.insert(at, (basis, value)),
+        }
+    }
+}
 
 impl Elements {
     /// The direct light of a mesh on elements.
@@ -100,62 +121,20 @@ impl Elements {
         settings: &ElementSettings,
         watch: &mut Watch<'_>,
     ) -> Result<Self, Cancelled> {
-        let mut elements = Self::roots_of(mesh, settings.smooth);
-        let views = first_views(&elements, mesh, light, &mut watch.part(0.0, 0.2))?;
-        let borders = borders(&elements);
-        let inset = 3.0 * light.thickness();
-        // 1. The corners of the mesh, seen from their elements.
-        let places = places(&elements, inset);
-        let lights = watch.part(0.2, 0.3).map(&places, |corner, place| match place {
-            Some((element, point)) => {
-                let normal = elements.corners[corner].normal;
-                gathered(light, *point, normal, &views[*element as usize])
-            }
-            None => Light::new(),
-        })?;
-        lights.iter().for_each(|light| elements.push_light(light));
-        let open = settings.focus.map(|focus| focus.open(&elements, light)).unwrap_or_default();
-        let mut refinement = Refinement {
-            open,
-            light,
-            settings,
-            errors: vec![0.0; elements.elements.len()],
-            seen_from: elements.elements.iter().map(|element| elements.area(element)).collect(),
-            whole: elements.elements.len(),
-            elements,
-            views,
-            middles: HashMap::new(),
-            borders,
-            mean: 0.0,
-            area: 0.0,
-            work: 0,
-            inset,
-            shortest: SHORTEST * mesh.size,
-        };
-        refinement.measure_mean();
-        // 2. Those that are worst, pass by pass.
-        let mut fresh: Vec<u32> = (0..refinement.elements.elements.len() as u32).collect();
-        let mut part = watch.part(0.3, 1.0);
-        for pass in 0..MOST_PASSES {
-            let share = pass as f64 / (pass as f64 + 8.0);
-            let next = (pass + 1) as f64 / (pass as f64 + 9.0);
-            refinement.examine(&fresh, &mut part.part(share, next))?;
-            let marked = refinement.worst();
-            if marked.is_empty() {
-                break;
-            }
-            fresh = refinement.divide(&marked, mesh);
-        }
-        let mut elements = refinement.elements;
-        elements.compact();
-        Ok(elements)
+        let layout = Layout::build(mesh, light, settings, &mut watch.part(0.0, 0.9))?;
+        layout.lit(mesh, light, settings, &mut watch.part(0.9, 1.0))
     }
 }
 
 /// Edges with an element on one side alone.
+/// Nearer than this to a plane nothing is hidden by it, metres.
+pub(super) fn inset(light: &DirectLight) -> f64 {
+    3.0 * light.thickness()
+}
+
 fn borders(elements: &Elements) -> HashSet<(u32, u32)> {
     let mut once = HashSet::new();
-    for key in elements.elements.iter().flat_map(|element| (0..3).map(|k| edge_key(element, k))) {
+    for key in elements.leaves().flat_map(|element| (0..3).map(|k| edge_key(element, k))) {
         if !once.remove(&key) {
             once.insert(key);
         }
@@ -164,15 +143,15 @@ fn borders(elements: &Elements) -> HashSet<(u32, u32)> {
 }
 
 /// Where the light of each corner is looked for: in the open near it, and an element that holds that point.
-fn places(elements: &Elements, inset: f64) -> Vec<Option<(u32, DVec3)>> {
+pub(super) fn places(elements: &Elements, inset: f64) -> Vec<Option<(u32, DVec3)>> {
     let mut sums = vec![(DVec3::ZERO, 0.0, NO_ELEMENT); elements.corners.len()];
-    for (index, element) in elements.elements.iter().enumerate() {
+    for (index, element) in elements.leaves_with_index() {
         let [a, b, c] = elements.positions(element);
         for &corner in &element.corners {
             let sum = &mut sums[corner as usize];
             sum.0 += (a + b + c) / 3.0;
             sum.1 += 1.0;
-            sum.2 = index as u32;
+            sum.2 = index;
         }
     }
     let place = |(corner, (sum, count, element)): (&ElementCorner, (DVec3, f64, u32))| {
@@ -193,7 +172,7 @@ thread_local! {
 }
 
 /// Does something with the working memory of this thread.
-fn with_scratch<T>(work: impl FnOnce(&mut Scratch) -> T) -> T {
+pub(super) fn with_scratch<T>(work: impl FnOnce(&mut Scratch) -> T) -> T {
     SCRATCH.with_borrow_mut(work)
 }
 
@@ -202,33 +181,116 @@ fn edge_key(element: &Element, k: usize) -> (u32, u32) {
     (a.min(b), a.max(b))
 }
 
-fn gathered(light: &DirectLight, point: DVec3, normal: DVec3, views: &Views) -> Light {
-    let mut found = Light::new();
-    let mut add = |basis: u32, value: f64| match found.binary_search_by_key(&basis, |entry| entry.0) {
-        Ok(at) => found[at].1 += value as f32,
-        Err(at) => found.insert(at, (basis, value as f32)),
+pub(super) fn gathered(light: &DirectLight, point: DVec3, normal: DVec3, views: &Views) -> Found {
+    let mut found = Found::default();
+    let mut add = |source: &Source, value: f64| {
+        for share in source.shares.iter().filter(|share| share.factor > 0.0) {
+            found.add(share.basis, (share.factor * value) as f32);
+        }
+        if let Some(part) = source.part {
+            // Those of a part stand together.
+            match found.parts.last_mut().filter(|last| last.0 == part) {
+                Some(last) => last.1 += value as f32,
+                None => found.parts.push((part, value as f32)),
+            }
+        }
     };
-    with_scratch(|scratch| light.gather(point, normal, views, scratch, &mut add));
+    with_scratch(|scratch| light.gather_sources(point, normal, views, scratch, &mut add));
     found
 }
 
+impl<'a> Refinement<'a> {
+    /// Begins with elements that have their light. `views` tell what each may see, looked for from so large an area;
+    /// where there are no others than those of the basis `only`, the rest of the light is not looked for again.
+    pub(super) fn new(
+        (mesh, light): (&PatchMesh, &'a DirectLight),
+        settings: &'a ElementSettings,
+        elements: Elements,
+        (views, seen_from): (Vec<Arc<Views>>, Vec<f64>),
+        only: Option<u32>,
+    ) -> Self {
+        let open = settings.focus.map(|focus| focus.open(&elements, light)).unwrap_or_default();
+        Self {
+            open,
+            light,
+            settings,
+            only,
+            errors: vec![0.0; elements.elements.len()],
+            seen_from,
+            whole: elements.elements.len(),
+            borders: borders(&elements),
+            elements,
+            views,
+            middles: HashMap::new(),
+            mean: 0.0,
+            area: 0.0,
+            work: 0,
+            inset: inset(light),
+            shortest: SHORTEST * mesh.size,
+        }
+    }
+
+    /// Divides those that are worst, pass by pass; then leaves out corners that nothing has.
+    pub(super) fn run(mut self, mesh: &PatchMesh, watch: &mut Watch<'_>) -> Result<Elements, Cancelled> {
+        let leaves = self.elements.leaves_with_index();
+        let mut fresh: Vec<u32> = leaves.map(|leaf| leaf.0).collect();
+        for pass in 0..MOST_PASSES {
+            let share = pass as f64 / (pass as f64 + 8.0);
+            let next = (pass + 1) as f64 / (pass as f64 + 9.0);
+            self.examine(&fresh, &mut watch.part(share, next))?;
+            let marked = self.worst();
+            if marked.is_empty() {
+                break;
+            }
+            fresh = self.divide(&marked, mesh);
+        }
+        let mut elements = self.elements;
+        elements.compact();
+        Ok(elements)
+    }
+
+    /// What is found at a point beside the middle of an edge between two corners.
+    fn look(&self, (corner, point): (&ElementCorner, DVec3), views: &Views, ends: [u32; 2]) -> Found {
+        let mut found = gathered(self.light, point, corner.normal, views);
+        if let Some(only) = self.only {
+            for &(basis, value) in ends.iter().flat_map(|&end| self.elements.light_at(end)) {
+                if basis != only {
+                    found.add(basis, 0.5 * value);
+                }
+            }
+        }
+        found
+    }
+
+    fn keep(&mut self, corner: ElementCorner, found: &Found) {
+        self.elements.corners.push(corner);
+        self.elements.push_light(&found.light);
+        if self.only.is_none() {
+            self.elements.parts.push(&found.parts);
+        }
+    }
+}
+
 impl Refinement<'_> {
-    /// Mean light of all bases together.
-    fn measure_mean(&mut self) {
+    /// Mean light of all bases together, and what corners have `besides`, W/m², where there is some.
+    pub(super) fn measure_mean(&mut self, besides: &[f64]) {
+        let exitance = &self.settings.exitance;
+        let at = |elements: &Elements, corner: u32| {
+            let besides = besides.get(corner as usize).copied().unwrap_or(0.0);
+            elements.watts_at(corner, exitance) + besides
+        };
         let mut sum = 0.0;
         for element in self.elements.leaves() {
             let area = self.elements.area(element);
             self.area += area;
-            for &(basis, value) in element.corners.iter().flat_map(|&c| self.elements.light_at(c)) {
-                sum += area / 3.0 * f64::from(value) * self.settings.exitance[basis as usize];
-            }
+            sum += area / 3.0 * element.corners.iter().map(|&c| at(&self.elements, c)).sum::<f64>();
         }
         self.mean = sum / self.area.max(f64::MIN_POSITIVE);
         if self.settings.adapted && self.mean > 0.0 {
             let mut logarithms = 0.0;
             for element in self.elements.leaves() {
                 let corners = element.corners.iter();
-                let light = corners.map(|&c| self.elements.watts_at(c, &self.settings.exitance)).sum::<f64>();
+                let light = corners.map(|&c| at(&self.elements, c)).sum::<f64>();
                 logarithms += self.elements.area(element) * (light / 3.0).max(DIMMEST * self.mean).ln();
             }
             let geometric = (logarithms / self.area.max(f64::MIN_POSITIVE)).exp();
@@ -247,7 +309,7 @@ impl Refinement<'_> {
                 continue;
             }
             let element = self.elements.elements[index as usize];
-            // On triangles of the mesh with something before a lamp all three; else the one that would become a corner.
+            // On those that it began with, with something before a lamp all three; else the one that would become a corner.
             let longest = self.longest_edge(index).0;
             let all = (index as usize) < self.whole && !self.views[index as usize].is_clear();
             for k in (0..3).filter(|&k| all || k == longest) {
@@ -260,12 +322,11 @@ impl Refinement<'_> {
         self.work += wanted.iter().map(|&(index, _)| self.views[index as usize].work()).sum::<u64>();
         let lights = watch.map(&wanted, |_, &(index, k)| {
             let (corner, point) = self.middle(index, k);
-            let views = &self.views[index as usize];
-            (corner, gathered(self.light, point, corner.normal, views))
+            let (low, high) = edge_key(&self.elements.elements[index as usize], k);
+            (corner, self.look((&corner, point), &self.views[index as usize], [low, high]))
         })?;
-        for (corner, light) in lights {
-            self.elements.corners.push(corner);
-            self.elements.push_light(&light);
+        for (corner, found) in lights {
+            self.keep(corner, &found);
         }
         debug_assert_eq!(self.elements.lit(), self.elements.corners.len());
         // 2. How far from linear they are.
@@ -447,10 +508,9 @@ impl Refinement<'_> {
                 if to_divide.contains(&key) && !self.middles.contains_key(&key) {
                     let (corner, point) = self.middle(index, k);
                     let views = self.views[index as usize].clone();
-                    let light = gathered(self.light, point, corner.normal, &views);
+                    let found = self.look((&corner, point), &views, [key.0, key.1]);
                     self.middles.insert(key, self.elements.corners.len() as u32);
-                    self.elements.corners.push(corner);
-                    self.elements.push_light(&light);
+                    self.keep(corner, &found);
                 }
             }
         }

@@ -1,5 +1,6 @@
 //! The lamps of a scene as emitters.
 
+use super::outdoors::SkyPart;
 use super::{ConvexBody, Emitter, Face, OutdoorEmitter, PhotometricEmitter};
 use crate::mesh::{NO_PATCH, PatchMesh, Side};
 use crate::scene::PhotometricSource;
@@ -40,6 +41,8 @@ pub struct Source {
     pub emitter: Arc<dyn Emitter>,
     /// One share, or one for each band.
     pub shares: Vec<Share>,
+    /// The part of the sky that it belongs to: what is seen of that at one hour tells its light at all others.
+    pub part: Option<u16>,
 }
 
 /// All that sends out light.
@@ -118,14 +121,39 @@ impl Emitters {
 
     fn add_outdoors(&mut self, lamp: u32, mesh: &PatchMesh) {
         let Some(outdoors) = &mesh.outdoors else { return };
-        let parts = match lamp == outdoors.sky {
-            true => OutdoorEmitter::sky(outdoors, mesh.middle, mesh.size),
-            false => OutdoorEmitter::sun(outdoors, mesh.middle, mesh.size).into_iter().collect(),
-        };
-        let shares = vec![Share { basis: self.bases.len() as u32, factor: 1.0 }];
+        let basis = self.bases.len() as u32;
         self.bases.push(Basis { lamp, weight: [1.0; 3] });
-        self.sources
-            .extend(parts.into_iter().map(|part| Source { emitter: Arc::new(part), shares: shares.clone() }));
+        if lamp == outdoors.sky {
+            let parts = OutdoorEmitter::sky(outdoors, mesh.middle, mesh.size).into_iter();
+            self.sources.extend(parts.map(|SkyPart { emitter, part, factor }| Source {
+                emitter: Arc::new(emitter),
+                shares: vec![Share { basis, factor }],
+                part: Some(part),
+            }));
+        } else if let Some(sun) = OutdoorEmitter::sun(outdoors, mesh.middle, mesh.size) {
+            let shares = vec![Share { basis, factor: 1.0 }];
+            self.sources.push(Source { emitter: Arc::new(sun), shares, part: None });
+        }
+    }
+
+    /// The shares of each part of the sky at the hour; empty without a sky.
+    pub fn parts(&self) -> Vec<Vec<Share>> {
+        let mut parts: Vec<Vec<Share>> = Vec::new();
+        for source in &self.sources {
+            let Some(part) = source.part.map(usize::from) else { continue };
+            if parts.len() <= part {
+                parts.resize(part + 1, Vec::new());
+            }
+            parts[part].clone_from(&source.shares);
+        }
+        parts
+    }
+
+    /// The same bases with those of the sources alone that are `kept`.
+    #[must_use]
+    pub fn keeping(&self, kept: impl Fn(&Source) -> bool) -> Self {
+        let sources = self.sources.iter().filter(|source| kept(source)).cloned().collect();
+        Self { bases: self.bases.clone(), sources }
     }
 
     fn add_photometric(&mut self, lamp: u32, sources: &[&PhotometricSource], regions: &[u32], size: f64) {
@@ -133,7 +161,7 @@ impl Emitters {
         self.bases.push(Basis { lamp, weight: [1.0; 3] });
         self.sources.extend(sources.iter().map(|&source| {
             let emitter = PhotometricEmitter::new(source.clone(), regions.to_vec(), THICKNESS * size, size);
-            Source { emitter: Arc::new(emitter), shares: shares.clone() }
+            Source { emitter: Arc::new(emitter), shares: shares.clone(), part: None }
         }));
     }
 
@@ -158,11 +186,13 @@ impl Emitters {
             for group in joined(faces, thickness) {
                 match ConvexBody::new(&group) {
                     Some(body) => {
-                        self.sources.push(Source { emitter: Arc::new(body), shares: shares.clone() })
+                        let (emitter, shares) = (Arc::new(body), shares.clone());
+                        self.sources.push(Source { emitter, shares, part: None });
                     }
                     None => self.sources.extend(group.into_iter().map(|(corners, region)| Source {
                         emitter: Arc::new(Face::new(corners, region, thickness)),
                         shares: shares.clone(),
+                        part: None,
                     })),
                 }
             }

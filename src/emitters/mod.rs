@@ -13,7 +13,7 @@ mod photometric;
 pub use body::ConvexBody;
 pub use face::Face;
 pub use lamps::{Basis, Emitters, Share, Source};
-pub use outdoors::OutdoorEmitter;
+pub use outdoors::{OutdoorEmitter, SkyPart};
 pub use photometric::PhotometricEmitter;
 
 use glam::DVec3;

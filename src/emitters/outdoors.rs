@@ -1,4 +1,5 @@
 use super::{Emitter, HalfSpace, lambert};
+use crate::daylight::LUMINOUS_EFFICACY;
 use crate::scene::Outdoors;
 use glam::DVec3;
 use std::f64::consts::{PI, TAU};
@@ -9,7 +10,7 @@ use std::sync::Arc;
 #[derive(Clone, Debug)]
 pub struct OutdoorEmitter {
     outdoors: Arc<Outdoors>,
-    part: Part,
+    shape: Shape,
     /// Corners of its outline, metres.
     hull: Vec<DVec3>,
     /// Unit vector to its middle.
@@ -18,12 +19,24 @@ pub struct OutdoorEmitter {
     centre: DVec3,
 }
 
+/// How its radiance differs within it: what it sends counts by its mean.
 #[derive(Clone, Copy, Debug, PartialEq)]
-enum Part {
-    /// By its radiance in every direction; holds what one of 1 W/(m² sr) counts for a unit of the sky.
+enum Shape {
+    /// As that of the sky, whose mean is this, W/(m² sr).
     Sky(f64),
-    /// Evenly bright; holds what it counts for a unit of its lamp, times its form factor.
+    /// Not at all; holds what its form factor counts.
     Even(f64),
+}
+
+/// An emitter of the sky or the ground, the part of the sky that it stands for, and what that counts at the hour.
+#[derive(Clone, Debug)]
+pub struct SkyPart {
+    /// What sends out light: irradiance comes as a form factor, weighted by how the radiance differs within it.
+    pub emitter: OutdoorEmitter,
+    /// The same for all of the ground.
+    pub part: u16,
+    /// Its mean exitance for a unit of the sky.
+    pub factor: f64,
 }
 
 /// How far away, over the size of the scene: from its edges parts of the sky are seen by a fiftieth of a degree too far
@@ -40,37 +53,70 @@ const ROWS: [[f64; 2]; 2] = [[-30.0, 0.0], [-75.0, -30.0]];
 
 impl OutdoorEmitter {
     /// The sky and the ground beyond a scene of some `size` about its `centre`, metres: 1 W/m² of their lamp lights an
-    /// unobstructed horizontal surface with as much.
-    pub fn sky(outdoors: &Arc<Outdoors>, centre: DVec3, size: f64) -> Vec<Self> {
-        let unit = outdoors.sky_exitance();
-        if !(unit > 0.0 && unit.is_finite()) {
-            return Vec::new();
+    /// unobstructed horizontal surface with as much. The parts are the same at every hour and fixed to the model; what is
+    /// dark counts nothing and is taken as even.
+    pub fn sky(outdoors: &Arc<Outdoors>, centre: DVec3, size: f64) -> Vec<SkyPart> {
+        let unit = outdoors.sky_unit();
+        let new = |corners: &[[f64; 2]]| {
+            let corners = directions(corners).into_iter().map(|e| outdoors.upright.to_model(e)).collect();
+            Self::new(outdoors, corners, centre, FAR * size)
+        };
+        let is_lit = outdoors.daylight.sky().horizontal() > 0.0;
+        let mut parts: Vec<SkyPart> = sky_parts()
+            .iter()
+            .zip(0..)
+            .map(|(corners, part)| {
+                let mut emitter = new(corners);
+                let mean = if is_lit { emitter.mean_radiance() } else { 0.0 };
+                if mean > 0.0 {
+                    emitter.shape = Shape::Sky(mean);
+                }
+                SkyPart { emitter, part, factor: PI * mean / unit }
+            })
+            .collect();
+        // In all they send what the sky does.
+        let up = outdoors.upright.to_model(DVec3::Z);
+        let seen = |part: &SkyPart| part.emitter.irradiance(up, &part.emitter.relative(centre));
+        let sent: f64 = parts.iter().map(|part| part.factor * seen(part)).sum();
+        let sky = if is_lit { outdoors.daylight.sky().horizontal() / LUMINOUS_EFFICACY / unit } else { 0.0 };
+        let scale = if sent > 0.0 { sky / sent } else { 0.0 };
+        parts.iter_mut().for_each(|part| part.factor *= scale);
+        let factor = PI * outdoors.daylight.ground_luminance() / LUMINOUS_EFFICACY / unit;
+        let part = parts.len() as u16;
+        let width = 360.0 / SECTORS as f64;
+        for [low, high] in ROWS {
+            parts.extend((0..SECTORS).map(|k| {
+                let (from, to) = (width * k as f64, width * (k + 1) as f64);
+                let corners = [[low, from], [low, to], [high, to], [high, from]];
+                SkyPart { emitter: new(&corners), part, factor }
+            }));
         }
-        let new = |corners: Vec<DVec3>, part: Part| Self::new(outdoors, corners, part, centre, FAR * size);
-        let mut parts = Vec::new();
-        if outdoors.daylight.sky().horizontal() > 0.0 {
-            for corners in sky_parts() {
-                parts.push(new(directions(&corners), Part::Sky(1.0)));
-            }
-            // In all they send what the sky does.
-            let up = outdoors.compass.to_model(DVec3::Z);
-            let sent: f64 = parts.iter().map(|part| part.irradiance(up, &part.hull)).sum();
-            parts.iter_mut().for_each(|part| part.part = Part::Sky(1.0 / sent.max(f64::MIN_POSITIVE)));
-        }
-        let ground = PI * outdoors.daylight.ground_luminance() / crate::daylight::LUMINOUS_EFFICACY / unit;
-        if ground > 0.0 {
-            let width = 360.0 / SECTORS as f64;
-            for [low, high] in ROWS {
-                parts.extend((0..SECTORS).map(|k| {
-                    let (from, to) = (width * k as f64, width * (k + 1) as f64);
-                    let corners = [[low, from], [low, to], [high, to], [high, from]];
-                    new(directions(&corners), Part::Even(ground))
-                }));
-            }
-            let corners: Vec<[f64; 2]> = (0..SECTORS).map(|k| [ROWS[1][0], width * k as f64]).collect();
-            parts.push(new(directions(&corners), Part::Even(ground)));
-        }
+        let corners: Vec<[f64; 2]> = (0..SECTORS).map(|k| [ROWS[1][0], width * k as f64]).collect();
+        parts.push(SkyPart { emitter: new(&corners), part, factor });
         parts
+    }
+
+    /// Mean of the radiance of the sky over it as seen from everywhere, W/(m² sr).
+    fn mean_radiance(&self) -> f64 {
+        let [mut sum, mut whole] = [0.0; 2];
+        self.triangles(self.middle, &self.relative(self.centre), |share, direction| {
+            sum += share * self.outdoors.radiance(direction);
+            whole += share;
+        });
+        if whole > 0.0 { sum / whole } else { 0.0 }
+    }
+
+    /// Calls `each` with the form factors of the triangles about the middle of what is seen, and a direction within each.
+    fn triangles(&self, normal: DVec3, visible: &[DVec3], mut each: impl FnMut(f64, DVec3)) {
+        let middle = visible.iter().map(|corner| corner.normalize_or_zero()).sum::<DVec3>();
+        for (k, &p) in visible.iter().enumerate() {
+            let q = visible[if k + 1 == visible.len() { 0 } else { k + 1 }];
+            let triangle = [p.normalize_or_zero(), q.normalize_or_zero(), middle.normalize_or_zero()];
+            let share = lambert(normal, &triangle);
+            if share > 0.0 {
+                each(share, triangle.iter().sum());
+            }
+        }
     }
 
     /// The sun's disc, where it shines: 1 W/m² of its lamp lights a surface that faces it with as much.
@@ -84,23 +130,22 @@ impl OutdoorEmitter {
         let corners: Vec<DVec3> = (0..SUN_CORNERS)
             .map(|k| {
                 let (sin, cos) = (TAU * k as f64 / SUN_CORNERS as f64).sin_cos();
-                (to_sun + half * (cos * across + sin * along)).normalize()
+                outdoors.compass.to_model((to_sun + half * (cos * across + sin * along)).normalize())
             })
             .collect();
-        let mut disc = Self::new(outdoors, corners, Part::Even(1.0), centre, FAR * size);
-        disc.part = Part::Even(1.0 / lambert(disc.middle, &disc.relative(centre)).max(f64::MIN_POSITIVE));
+        let mut disc = Self::new(outdoors, corners, centre, FAR * size);
+        disc.shape = Shape::Even(1.0 / lambert(disc.middle, &disc.relative(centre)).max(f64::MIN_POSITIVE));
         Some(disc)
     }
 
-    /// Of corners as unit vectors of the sky, in turn about its middle.
-    fn new(outdoors: &Arc<Outdoors>, corners: Vec<DVec3>, part: Part, centre: DVec3, far: f64) -> Self {
-        let mut corners: Vec<DVec3> = corners.into_iter().map(|e| outdoors.compass.to_model(e)).collect();
+    /// Of corners as unit vectors of the model, in turn about its middle; evenly bright.
+    fn new(outdoors: &Arc<Outdoors>, mut corners: Vec<DVec3>, centre: DVec3, far: f64) -> Self {
         let middle = corners.iter().sum::<DVec3>().normalize_or(DVec3::Y);
         if corners[1].cross(corners[0]).dot(middle) < 0.0 {
             corners.reverse();
         }
         let hull = corners.into_iter().map(|corner| centre + far * corner).collect();
-        Self { outdoors: Arc::clone(outdoors), part, hull, middle, centre }
+        Self { outdoors: Arc::clone(outdoors), shape: Shape::Even(1.0), hull, middle, centre }
     }
 
     /// Corners as seen from a point.
@@ -153,22 +198,16 @@ impl Emitter for OutdoorEmitter {
     }
 
     fn irradiance(&self, normal: DVec3, visible: &[DVec3]) -> f64 {
-        let per_radiance = match self.part {
-            Part::Even(factor) => return factor * lambert(normal, visible),
-            Part::Sky(factor) => factor * PI,
-        };
-        // Radiance at the middles of triangles about the middle of what is seen.
-        let middle = visible.iter().map(|corner| corner.normalize_or_zero()).sum::<DVec3>();
-        let mut sum = 0.0;
-        for (k, &p) in visible.iter().enumerate() {
-            let q = visible[if k + 1 == visible.len() { 0 } else { k + 1 }];
-            let triangle = [p.normalize_or_zero(), q.normalize_or_zero(), middle.normalize_or_zero()];
-            let share = lambert(normal, &triangle);
-            if share > 0.0 {
-                sum += share * self.outdoors.radiance(triangle.iter().sum());
+        match self.shape {
+            Shape::Even(factor) => factor * lambert(normal, visible),
+            Shape::Sky(mean) => {
+                let mut sum = 0.0;
+                self.triangles(normal, visible, |share, direction| {
+                    sum += share * self.outdoors.radiance(direction);
+                });
+                sum / mean
             }
         }
-        per_radiance * sum
     }
 }
 

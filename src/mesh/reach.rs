@@ -177,7 +177,7 @@ impl<'a> Search<'a> {
         let mut met: Vec<(usize, DVec3)> = Vec::new();
         let lamps = &self.sources.lamps;
         // With daylight every other path comes from outside.
-        let is_outdoors = self.sources.outdoors.is_some() && (path % 2 == 1 || lamps.is_empty());
+        let is_outdoors = self.sources.has_sky && (path % 2 == 1 || lamps.is_empty());
         let (mut point, mut frame) = if is_outdoors {
             let Some((side, point)) = self.lit_from_outside(path) else { return met };
             met.push((side, point));
@@ -208,15 +208,6 @@ impl<'a> Search<'a> {
         met
     }
 
-    /// Whether the sun shines on a point just before a surface that faces `normal`.
-    fn sees_sun(&self, origin: DVec3, normal: DVec3) -> bool {
-        let Some(outdoors) = &self.sources.outdoors else { return false };
-        let direction = outdoors.to_sun();
-        outdoors.sun_exitance() > 0.0
-            && normal.dot(direction) > 0.0
-            && self.sheets.nearest(&Ray { origin, direction }).is_none()
-    }
-
     /// A place that light from outside meets, and the side that it is on, where the one that the path tries is such.
     fn lit_from_outside(&self, path: u64) -> Option<(usize, DVec3)> {
         let key = (1 << 51) + path;
@@ -232,9 +223,7 @@ impl<'a> Search<'a> {
         let frame = self.frame(side);
         let direction = frame.world(cosine_from(unit(key, 1), unit(key, 2)));
         let origin = point + frame.normal * self.sources.offset;
-        let is_lit = self.sees_sun(origin, frame.normal)
-            || self.sources.shines_from(direction)
-                && self.sheets.nearest(&Ray { origin, direction }).is_none();
+        let is_lit = self.sources.has_sky && self.sheets.nearest(&Ray { origin, direction }).is_none();
         is_lit.then_some((side, point))
     }
 
@@ -448,12 +437,9 @@ impl<'a> Search<'a> {
                     return true;
                 }
             }
-            if self.sees_sun(point, frame.normal) {
-                return true;
-            }
             let direction = frame.world(cosine_from(unit(key, 1), unit(key, 2)));
             let Some(hit) = self.sheets.nearest(&Ray { origin: point, direction }) else {
-                return self.sources.shines_from(direction);
+                return self.sources.has_sky;
             };
             point += direction * hit.distance;
             frame = self.frame(self.side_met(hit.triangle, direction));

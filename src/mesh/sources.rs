@@ -3,7 +3,7 @@
 use super::reach::sample_points;
 use super::regions::Outline;
 use crate::geometry::polygon;
-use crate::scene::{Outdoors, PhotometricSource, Scene};
+use crate::scene::{PhotometricSource, Scene};
 use glam::DVec3;
 
 /// Points on all lamps together, about, and on one of them at least and at most: of a lamp that is half built in,
@@ -18,8 +18,8 @@ pub(super) struct Sources {
     /// Points on lamps with the direction that they shine to.
     pub(super) lamps: Vec<(DVec3, DVec3)>,
     pub(super) lamp_tangents: Vec<DVec3>,
-    /// The sky and the ground beyond the model, where they shine: what escapes finds light.
-    pub(super) outdoors: Option<Outdoors>,
+    /// Whether there is a sky, whatever shines in it at this hour: what escapes finds light.
+    pub(super) has_sky: bool,
     /// Points on lit sides with the direction that they face, where the search had to find them.
     pub(super) lit_points: Vec<(DVec3, DVec3)>,
     /// Paths and rays start so far before a surface, metres.
@@ -47,19 +47,14 @@ impl Sources {
                 lamps.push((point, towards));
             }
         }
-        let shines = |out: &&Outdoors| out.sky_exitance() > 0.0 || out.sun_exitance() > 0.0;
-        let outdoors = scene.outdoors.as_ref().filter(shines).cloned();
-        Self { lamps, lamp_tangents, outdoors, lit_points: Vec::new(), offset: size * OFFSET }
+        // Of every hour alike, so that one mesh serves them all.
+        let has_sky = scene.outdoors.is_some();
+        Self { lamps, lamp_tangents, has_sky, lit_points: Vec::new(), offset: size * OFFSET }
     }
 
     /// Whether nothing shines.
     pub(super) fn is_dark(&self) -> bool {
-        self.lamps.is_empty() && self.outdoors.is_none()
-    }
-
-    /// Whether light comes from outside of the model in this direction.
-    pub(super) fn shines_from(&self, direction: DVec3) -> bool {
-        self.outdoors.as_ref().is_some_and(|outdoors| outdoors.radiance(direction) > 0.0)
+        self.lamps.is_empty() && !self.has_sky
     }
 }
 

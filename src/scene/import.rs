@@ -202,8 +202,8 @@ fn build(input: Input<'_>, watch: &mut Watch<'_>) -> Result<Scene, SceneError> {
     if let (Some(sidecar), Some(source)) = (&sidecar, sidecar_source)
         && let Some(choice) = &sidecar.daylight
     {
-        let (daylight, choice) = outdoors::read(choice, input.files, source)?;
-        scene.set_outdoors(daylight, choice);
+        let asked = outdoors::read(choice, input.files, source)?;
+        scene.set_outdoors(asked);
     }
     judge(&mut scene, stated);
     scene.place(placed);

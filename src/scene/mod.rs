@@ -62,7 +62,7 @@ pub use luminaires::lumens;
 pub use mend::{Mended, mend};
 pub use names::nearest as nearest_names;
 pub(crate) use names::{grouped, list as name_list};
-pub use outdoors::{DaylightChoice, Outdoors, SKY, SUN};
+pub use outdoors::{DaylightChoice, OutdoorSwitch, Outdoors, SKY, SUN};
 pub use photometric::{Attitude, PhotometricLight, PhotometricPlace, PhotometricSource};
 pub use placed::{LampColour, LampKind, LampPhotometry, PlacedLamp};
 pub use sidecar_write::{sidecar_text, write_frame, write_sidecar};

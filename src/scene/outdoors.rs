@@ -4,13 +4,15 @@ use super::error::SceneError;
 use super::lookup::{Files, reason};
 use super::names;
 use super::sidecar::Source;
-use super::types::{LampState, Luminaire, Scene, UpAxis};
+use super::types::{LampState, Luminaire, Scene, SceneSource, UpAxis};
 use crate::daylight::{
     CieType, Compass, Date, Daylight, DaylightError, LUMINOUS_EFFICACY, LocalTime, Pattern, Place,
     SunPosition, USUAL_GROUND, USUAL_WATER, WeatherFile,
 };
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
+use std::path::Path;
+use std::sync::Arc;
 
 /// Daylight as a sidecar or a user asks for it. Angles are degrees, azimuths from north clockwise.
 #[derive(Clone, Debug, Default, PartialEq, Deserialize, Serialize)]
@@ -52,6 +54,51 @@ pub struct DaylightChoice {
     /// Reflectance of the ground beyond the model, 0 to 1.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub ground: Option<f64>,
+    /// How the sky is switched at first; fully on otherwise.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub sky_lamp: Option<OutdoorSwitch>,
+    /// The same of the sun.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub sun_lamp: Option<OutdoorSwitch>,
+}
+
+/// How the sky or the sun is switched, dimmed and coloured, whatever the hour.
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct OutdoorSwitch {
+    /// Whether it shines.
+    pub on: bool,
+    /// 0 to 1.
+    pub dimmer: f64,
+    /// What the light of the hour is multiplied by, per band; zero or more.
+    pub factor: [f64; 3],
+}
+
+impl Default for OutdoorSwitch {
+    fn default() -> Self {
+        Self { on: true, dimmer: 1.0, factor: [1.0; 3] }
+    }
+}
+
+impl OutdoorSwitch {
+    /// That of a lamp in this state, whose light is `exitance` at this hour, W/m² per band; `before` tells the factor
+    /// where that is dark.
+    pub fn of(state: &LampState, exitance: f64, before: Option<Self>) -> Self {
+        let before = before.unwrap_or_default();
+        let factor = if exitance > 0.0 { state.exitance.map(|e| e / exitance) } else { before.factor };
+        // What is the same up to rounding is the same.
+        let is_plain = factor.iter().all(|f| (f - 1.0).abs() < 1e-9);
+        Self { on: state.on, dimmer: state.dimmer, factor: if is_plain { [1.0; 3] } else { factor } }
+    }
+
+    /// The state of a lamp whose light is `exitance` at this hour, W/m² per band.
+    pub fn state(&self, exitance: f64) -> LampState {
+        LampState { on: self.on, dimmer: self.dimmer, exitance: self.factor.map(|f| f * exitance) }
+    }
+
+    fn is_valid(&self) -> bool {
+        (0.0..=1.0).contains(&self.dimmer) && self.factor.iter().all(|f| (0.0..=1e6).contains(f))
+    }
 }
 
 /// Sky, sun and ground around a model. The sky and the ground shine as one lamp, the sun as another.
@@ -61,8 +108,12 @@ pub struct Outdoors {
     pub daylight: Daylight,
     /// How the model lies.
     pub compass: Compass,
+    /// The same were its north not turned: what is fixed to the model is told by this.
+    pub upright: Compass,
     /// As it was asked for.
     pub choice: DaylightChoice,
+    /// The weather file that this names.
+    pub weather: Option<Arc<WeatherFile>>,
     /// Index of the lamp that is the sky.
     pub sky: u32,
     /// Of the one that is the sun; dark where it does not shine.
@@ -81,6 +132,33 @@ impl Outdoors {
         // Without a sky there may be a ground that the sun lights.
         let ground = std::f64::consts::PI * self.daylight.ground_luminance();
         if sky > 0.0 { sky / LUMINOUS_EFFICACY } else { ground / LUMINOUS_EFFICACY }
+    }
+
+    /// As it was asked for, with the lamps in these states.
+    pub fn switched(&self, lighting: &super::Lighting) -> DaylightChoice {
+        let switch = |lamp: u32, exitance: f64, before: Option<OutdoorSwitch>| {
+            let state = lighting.lamps.get(lamp as usize)?;
+            let switch = OutdoorSwitch::of(state, exitance, before);
+            (switch != OutdoorSwitch::default()).then_some(switch)
+        };
+        DaylightChoice {
+            sky_lamp: switch(self.sky, self.sky_exitance(), self.choice.sky_lamp),
+            sun_lamp: switch(self.sun, self.sun_exitance(), self.choice.sun_lamp),
+            ..self.choice.clone()
+        }
+    }
+
+    /// The two lamps as they are switched at first.
+    pub fn states(&self) -> [LampState; 2] {
+        let DaylightChoice { sky_lamp, sun_lamp, .. } = &self.choice;
+        [(sky_lamp, self.sky_exitance()), (sun_lamp, self.sun_exitance())]
+            .map(|(lamp, exitance)| lamp.unwrap_or_default().state(exitance))
+    }
+
+    /// What the lamp of the sky counts by: its exitance, or 1 where it is dark.
+    pub fn sky_unit(&self) -> f64 {
+        let exitance = self.sky_exitance();
+        if exitance > 0.0 && exitance.is_finite() { exitance } else { 1.0 }
     }
 
     /// Irradiance of a surface that faces the sun, W/m² per band.
@@ -125,7 +203,11 @@ fn number_parts<const N: usize>(text: &str, between: char) -> Option<[u32; N]> {
 }
 
 impl DaylightChoice {
-    fn date(&self) -> Result<Date, DaylightError> {
+    /// The day; midsummer where none is named.
+    ///
+    /// # Errors
+    /// A date that is none.
+    pub fn date(&self) -> Result<Date, DaylightError> {
         let text = self.date.as_deref().unwrap_or("2026-06-21");
         let [year, month, day] = number_parts(text, '-').ok_or_else(|| {
             let text = names::short(text);
@@ -134,7 +216,11 @@ impl DaylightChoice {
         Date::new(i32::try_from(year).unwrap_or(i32::MAX), month, day)
     }
 
-    fn hours(&self) -> Result<f64, DaylightError> {
+    /// Hours since midnight by the clocks of the place; noon where no time is named.
+    ///
+    /// # Errors
+    /// A time that is none.
+    pub fn hours(&self) -> Result<f64, DaylightError> {
         let text = self.time.as_deref().unwrap_or("12:00");
         let [hours, minutes] =
             number_parts(text, ':').filter(|[_, minutes]| *minutes < 60).ok_or_else(|| {
@@ -142,6 +228,23 @@ impl DaylightChoice {
                 DaylightError::new(format!("the time '{text}' is none; write it as 14:30"))
             })?;
         Ok(f64::from(hours) + f64::from(minutes) / 60.0)
+    }
+
+    /// The place, where there is one.
+    ///
+    /// # Errors
+    /// A latitude, longitude or zone that cannot be.
+    pub fn place(&self) -> Result<Option<Place>, DaylightError> {
+        match (self.latitude, self.longitude, self.zone) {
+            (Some(latitude), Some(longitude), Some(zone)) => Place::new(latitude, longitude, zone).map(Some),
+            _ => Ok(None),
+        }
+    }
+
+    /// The same without what says how the lamps are switched.
+    #[must_use]
+    pub fn without_lamps(&self) -> Self {
+        Self { sky_lamp: None, sun_lamp: None, ..self.clone() }
     }
 
     /// Where the sun stands.
@@ -164,6 +267,14 @@ impl DaylightChoice {
     /// The light that is asked for; `weather` is that of the file that it names.
     fn daylight(&self, weather: Option<&WeatherFile>) -> Result<Daylight, DaylightError> {
         let ground = self.ground.unwrap_or(USUAL_GROUND);
+        if ![self.sky_lamp, self.sun_lamp].iter().flatten().all(OutdoorSwitch::is_valid) {
+            return Err(DaylightError::new(
+                "the dimmers of sky_lamp and sun_lamp must lie between 0 and 1, and their factors be 0 or more",
+            ));
+        }
+        if !self.north.unwrap_or(0.0).is_finite() {
+            return Err(DaylightError::new("north is no angle"));
+        }
         if let Some(file) = weather {
             let date = self.date()?;
             return file.daylight(file.hour(date.month(), date.day(), self.hours()?)?, ground);
@@ -192,7 +303,7 @@ pub(super) fn read(
     choice: &toml::Spanned<DaylightChoice>,
     files: Files<'_>,
     source: Source<'_>,
-) -> Result<(Daylight, DaylightChoice), SceneError> {
+) -> Result<Asked, SceneError> {
     let (at, choice) = (choice.span().start, choice.get_ref());
     let fail = |fault: String| source.error_at(at, fault);
     let weather = match &choice.weather {
@@ -207,28 +318,93 @@ pub(super) fn read(
         }
     };
     let daylight = choice.daylight(weather.as_ref()).map_err(|error| fail(error.to_string()))?;
-    Ok((daylight, choice.clone()))
+    Ok(Asked { daylight, choice: choice.clone(), weather: weather.map(Arc::new) })
+}
+
+/// Daylight that was asked for, and what it came to.
+pub(super) struct Asked {
+    daylight: Daylight,
+    choice: DaylightChoice,
+    weather: Option<Arc<WeatherFile>>,
 }
 
 impl Scene {
     /// Puts a sky over the scene and a sun into it: lamps after those of the model.
-    pub(super) fn set_outdoors(&mut self, daylight: Daylight, choice: DaylightChoice) {
-        let north = choice.north.unwrap_or(0.0);
-        let compass = match self.up {
+    pub(super) fn set_outdoors(&mut self, asked: Asked) {
+        let outdoors = self.outdoors_of(asked, self.luminaires.len() as u32);
+        for (name, initial) in [SKY, SUN].into_iter().zip(outdoors.states()) {
+            let mut taken = self.luminaires.iter().map(|lamp| lamp.name.clone()).collect();
+            let name = names::unique(name, &mut taken);
+            self.luminaires.push(Luminaire { name, area: 1.0, initial, photometric: None });
+        }
+        self.outdoors = Some(outdoors);
+    }
+
+    fn outdoors_of(&self, asked: Asked, sky: u32) -> Outdoors {
+        let Asked { daylight, choice, weather } = asked;
+        let turned = |north: f64| match self.up {
             UpAxis::Y => Compass::y_up(north),
             UpAxis::Z => Compass::z_up(north),
         };
-        let sky = self.luminaires.len() as u32;
-        let outdoors = Outdoors { daylight, compass, choice, sky, sun: sky + 1 };
-        for (name, exitance) in [(SKY, outdoors.sky_exitance()), (SUN, outdoors.sun_exitance())] {
-            let mut taken = self.luminaires.iter().map(|lamp| lamp.name.clone()).collect();
-            self.luminaires.push(Luminaire {
-                name: names::unique(name, &mut taken),
-                area: 1.0,
-                initial: LampState { on: true, dimmer: 1.0, exitance: [exitance; 3] },
-                photometric: None,
-            });
+        let (compass, upright) = (turned(choice.north.unwrap_or(0.0)), turned(0.0));
+        Outdoors { daylight, compass, upright, choice, weather, sky, sun: sky + 1 }
+    }
+
+    /// The same scene under another sky: of another hour, place or kind, or none. Everything else stays, and so do the
+    /// indices of all luminaires where there was daylight before and there still is.
+    ///
+    /// # Errors
+    /// A place, a time or an illuminance that cannot be, or a weather file that cannot be read.
+    pub fn with_daylight(&self, choice: Option<&DaylightChoice>) -> Result<Self, SceneError> {
+        let asked = choice.map(|choice| self.asked(choice)).transpose()?;
+        let mut scene = self.clone();
+        match (asked, &self.outdoors) {
+            (Some(asked), Some(before)) => {
+                let outdoors = self.outdoors_of(asked, before.sky);
+                for (lamp, initial) in [outdoors.sky, outdoors.sun].into_iter().zip(outdoors.states()) {
+                    if let Some(lamp) = scene.luminaires.get_mut(lamp as usize) {
+                        lamp.initial = initial;
+                    }
+                }
+                scene.outdoors = Some(outdoors);
+            }
+            (asked, before) => {
+                // The lamps of the sky stand before those that were placed.
+                let placed = scene.placed.clone();
+                scene.take_away_placed();
+                if before.is_some() {
+                    scene.luminaires.truncate(scene.luminaires.len().saturating_sub(2));
+                    scene.outdoors = None;
+                }
+                if let Some(asked) = asked {
+                    scene.set_outdoors(asked);
+                }
+                scene.place(placed);
+            }
         }
-        self.outdoors = Some(outdoors);
+        Ok(scene)
+    }
+
+    fn asked(&self, choice: &DaylightChoice) -> Result<Asked, SceneError> {
+        let fail = |fault: String| SceneError::file(&format!("{}.toml", self.name), fault);
+        let known = self.outdoors.as_ref().filter(|before| before.choice.weather == choice.weather);
+        let weather = match (&choice.weather, known.and_then(|before| before.weather.clone())) {
+            (None, _) => None,
+            (Some(_), Some(file)) => Some(file),
+            (Some(name), None) => {
+                let shown = names::short(name);
+                let missing = |why: String| fail(format!("the weather file '{shown}' cannot be used: {why}"));
+                let folder = match &self.source {
+                    SceneSource::File(path) | SceneSource::FileAs(path, _) => path.parent(),
+                    SceneSource::Builtin(_) => None,
+                };
+                let files = Files::beside(folder.unwrap_or(Path::new(".")));
+                let found = files.photometry(name).map_err(|error| missing(reason(&error)))?;
+                let read = WeatherFile::read(&shown, &found.bytes);
+                Some(Arc::new(read.map_err(|error| missing(error.to_string()))?))
+            }
+        };
+        let daylight = choice.daylight(weather.as_deref()).map_err(|error| fail(error.to_string()))?;
+        Ok(Asked { daylight, choice: choice.clone(), weather })
     }
 }

@@ -214,7 +214,7 @@ impl Scene {
     }
 
     /// Undoes [`Self::place`]: everything of it stands at the ends of the lists.
-    fn take_away_placed(&mut self) {
+    pub(super) fn take_away_placed(&mut self) {
         let lamps = std::mem::take(&mut self.placed);
         if !lamps.is_empty() {
             let faces: usize = lamps.iter().map(PlacedLamp::faces).sum();

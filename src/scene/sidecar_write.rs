@@ -84,7 +84,11 @@ pub fn sidecar_text(
         sidecar.luminaires.push(unplaced(entry));
     }
 
-    let placed = scene.placed.iter().zip(lighting.lamps.iter().skip(own));
+    // The lamps of the sky stand between those of the model and the placed ones.
+    let outdoors = scene.outdoors.as_ref();
+    sidecar.daylight = outdoors.map(|outdoors| unplaced(outdoors.switched(lighting)));
+    let before = own + if outdoors.is_some() { 2 } else { 0 };
+    let placed = scene.placed.iter().zip(lighting.lamps.iter().skip(before));
     sidecar.lamps = placed.map(|(lamp, state)| LampEntry::of(&lamp.starting_as(state), scene)).collect();
 
     for material in repainted.iter().filter_map(|&index| scene.own_materials().get(index as usize)) {
@@ -126,6 +130,10 @@ fn keep_comments(old: &Table, new: &mut Table) {
                 if let (Some(from), Some(mut to)) = (old.key(key), new.key_mut(key)) {
                     *to.leaf_decor_mut() = from.leaf_decor().clone();
                 }
+            }
+            (Item::Table(before), Some(Item::Table(now))) => {
+                *now.decor_mut() = before.decor().clone();
+                keep_comments(before, now);
             }
             (Item::ArrayOfTables(before), Some(Item::ArrayOfTables(now))) => {
                 for (place, now) in now.iter_mut().enumerate() {

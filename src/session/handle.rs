@@ -5,7 +5,7 @@ use super::threads;
 use super::wanted::{Edits, Wanted};
 use super::worker::Worker;
 use crate::direct::Focus;
-use crate::scene::{PlacedLamp, Scene, SceneSource};
+use crate::scene::{DaylightChoice, PlacedLamp, Scene, SceneSource};
 use crate::solve::{SolveSettings, Stage};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
@@ -26,6 +26,8 @@ pub(super) struct Shared {
     pub(super) news_for_worker: Condvar,
     /// Set with every request: ends what runs.
     pub(super) cancel: AtomicBool,
+    /// Set with every request but for another sky: ends even direct light of a sky that is out of date.
+    pub(super) cancel_direct: AtomicBool,
     pub(super) paused: AtomicBool,
     /// The user ended the solve; cleared by the next request.
     pub(super) stopped: AtomicBool,
@@ -59,6 +61,7 @@ impl Session {
             wanted: Mutex::default(),
             news_for_worker: Condvar::new(),
             cancel: AtomicBool::new(false),
+            cancel_direct: AtomicBool::new(false),
             paused: AtomicBool::new(false),
             stopped: AtomicBool::new(false),
             quit: AtomicBool::new(false),
@@ -114,6 +117,15 @@ impl Session {
         self.request(|wanted| wanted.lamps = Some((Arc::downgrade(read), lamps)));
     }
 
+    /// Puts the scene as it was `read` under this sky, instead of that of its file, or under none. Where there was a sky
+    /// before, mesh, rows and transport stay: direct light comes at once, what surfaces pass on a moment later. Newer
+    /// wishes win; while they come quickly, each is still answered with its direct light.
+    pub fn set_daylight(&self, read: &Arc<Scene>, choice: Option<DaylightChoice>) {
+        let mut wanted = locked(&self.shared.wanted);
+        wanted.daylight = Some((Arc::downgrade(read), choice));
+        self.announce(&mut wanted);
+    }
+
     /// Whether light that has settled becomes finer, step by step, while nothing else is asked for: shadows first,
     /// where somebody looks. Off at first.
     pub fn refine_at_leisure(&self, on: bool) {
@@ -150,6 +162,7 @@ impl Session {
         let _held = locked(&self.shared.wanted);
         self.shared.paused.store(false, Ordering::Release);
         self.shared.stopped.store(true, Ordering::Release);
+        self.shared.cancel_direct.store(true, Ordering::Release);
         self.shared.cancel.store(true, Ordering::Release);
         self.shared.news_for_worker.notify_all();
     }
@@ -157,6 +170,11 @@ impl Session {
     fn request(&self, change: impl FnOnce(&mut Wanted)) {
         let mut wanted = locked(&self.shared.wanted);
         change(&mut wanted);
+        self.shared.cancel_direct.store(true, Ordering::Release);
+        self.announce(&mut wanted);
+    }
+
+    fn announce(&self, wanted: &mut Wanted) {
         wanted.generation += 1;
         self.shared.stopped.store(false, Ordering::Release);
         self.shared.cancel.store(true, Ordering::Release);
@@ -172,6 +190,7 @@ impl Session {
 impl Drop for Session {
     fn drop(&mut self) {
         self.shared.quit.store(true, Ordering::Release);
+        self.shared.cancel_direct.store(true, Ordering::Release);
         self.shared.cancel.store(true, Ordering::Release);
         self.wake();
         if let Some(thread) = self.thread.take() {

@@ -33,7 +33,8 @@ impl Worker<'_> {
             && !shared.paused.load(Ordering::Acquire)
             && !self.broken_off
             && self.settled == Some(Stage::Converged);
-        after(&self.element_light().filter(|_| wanted)?.target)
+        let light = self.element_light().filter(|_| wanted)?;
+        if light.is_of_hour { after(&light.target) } else { Some(light.target) }
     }
 
     /// Lays out direct light anew, as finely as the target says, and lights all from it; shows it once it is whole, and
@@ -71,7 +72,7 @@ impl Worker<'_> {
         let system = system(&prepared, &reflectance);
         let focus = *locked(&self.shared.focus);
         let laid_out = self.quietly(|run| run.finer_elements(&prepared, target, focus, &system))?;
-        if laid_out.elements.expected_error >= present.elements.expected_error {
+        if present.is_of_hour && laid_out.elements.expected_error >= present.elements.expected_error {
             let bases = self.state.bases.as_deref().cloned().ok_or(Failure::Cancelled)?;
             return Ok((ElementLight { target, ..ElementLight::clone(&present) }, bases));
         }

@@ -1,5 +1,6 @@
 //! The background worker: requests in, immutable snapshots out. Knows neither GPU nor window.
 
+mod daylight;
 mod failure;
 mod handle;
 mod leisure;

@@ -3,6 +3,7 @@
 use super::wanted::Wanted;
 use super::worker::State;
 use crate::mesh::PatchMesh;
+use crate::scene::DaylightChoice;
 
 /// What a request calls for, and what it came to in the end.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -11,8 +12,10 @@ pub struct Recompute {
     pub scene: bool,
     /// It was cut into patches.
     pub mesh: bool,
-    /// Other lamps stand in the model.
+    /// Other lamps stand in the model, or there is a sky where there was none.
     pub lamps: bool,
+    /// The sky is another one: mesh, rows and transport stay.
+    pub daylight: bool,
     /// There is no lamp, so nothing was solved.
     pub unlit: bool,
     /// Rows are computed differently, so that stored ones are of no use.
@@ -29,7 +32,7 @@ pub struct Recompute {
 
 impl Recompute {
     /// Geometry, patch size and the fineness of direct light ask for a mesh (and rows, if it differs); method and effects for rows;
-    /// reflectances and tolerance for sweeps alone, which every request makes until it converges.
+    /// another sky for its direct light and sweeps; reflectances and tolerance for sweeps alone, which every request makes until it converges.
     pub(super) fn between(state: &State, wanted: &Wanted) -> Self {
         let (old, new) = (&state.settings, &wanted.settings);
         let scene = state.opened != wanted.opened || state.scene.is_none();
@@ -37,14 +40,18 @@ impl Recompute {
         let method = old.sampling() != new.sampling() || old.effects != new.effects || carried;
         let split =
             old.patches != new.patches || old.refinement != new.refinement || old.direct != new.direct;
-        let lamps = match (&state.read, &state.scene) {
-            (Some(read), Some(present)) if !scene => {
-                wanted.lamps_of(read).is_some_and(|lamps| *lamps != present.placed)
-            }
-            _ => false,
-        };
+        let mut lamps = false;
+        let mut daylight = false;
+        if let (Some(read), Some(present), false) = (&state.read, &state.scene, scene) {
+            lamps = wanted.lamps_of(read).is_some_and(|lamps| *lamps != present.placed);
+            let now = present.outdoors.as_ref().map(|outdoors| outdoors.choice.without_lamps());
+            let then = wanted.daylight_of(read).map(DaylightChoice::without_lamps);
+            daylight = now != then;
+            // The sky is two lamps, which there are or are not.
+            lamps |= now.is_some() != then.is_some();
+        }
         let mesh = scene || lamps || method || state.prepared.is_none() || split;
-        Self { scene, mesh, lamps, method, ..Self::default() }
+        Self { scene, mesh, lamps, daylight, method, ..Self::default() }
     }
 }
 

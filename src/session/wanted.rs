@@ -1,7 +1,7 @@
 //! What the user has asked of the worker.
 
 use super::handle::MaterialEdit;
-use crate::scene::{PlacedLamp, Scene, SceneSource};
+use crate::scene::{DaylightChoice, PlacedLamp, Scene, SceneSource};
 use crate::solve::SolveSettings;
 use std::sync::{Arc, Weak};
 
@@ -18,6 +18,8 @@ pub(super) struct Wanted {
     pub(super) edits: Edits,
     /// Placed lamps, and the scene as read that they are for.
     pub(super) lamps: Option<(Weak<Scene>, Vec<PlacedLamp>)>,
+    /// Daylight other than that of the file, and the scene as read that it is for.
+    pub(super) daylight: Option<(Weak<Scene>, Option<DaylightChoice>)>,
     /// Form factors are wanted even where there is no lamp.
     pub(super) unlit: bool,
     /// Counts all requests.
@@ -68,6 +70,23 @@ impl Wanted {
         }
     }
 
+    /// The daylight that is to be in this scene: that of its file unless another was asked for.
+    pub(super) fn daylight_of<'a>(&'a self, read: &'a Arc<Scene>) -> Option<&'a DaylightChoice> {
+        match self.daylight.as_ref().filter(|(of, _)| Weak::as_ptr(of) == Arc::as_ptr(read)) {
+            Some((_, choice)) => choice.as_ref(),
+            None => read.outdoors.as_ref().map(|outdoors| &outdoors.choice),
+        }
+    }
+
+    /// Goes back to the daylight of the present `scene`; so does a newer wish that is no other one.
+    pub(super) fn return_to_daylight(&mut self, refused: &mut Self, read: &Arc<Scene>, scene: &Scene) {
+        let present = scene.outdoors.as_ref().map(|outdoors| outdoors.choice.clone());
+        refused.daylight = Some((Arc::downgrade(read), present));
+        if self.generation == refused.generation {
+            self.daylight.clone_from(&refused.daylight);
+        }
+    }
+
     /// The lamps that are to stand in this scene, where others than those of its file were asked for.
     pub(super) fn lamps_of(&self, read: &Arc<Scene>) -> Option<&[PlacedLamp]> {
         let own = self.lamps.as_ref().filter(|(of, _)| Weak::as_ptr(of) == Arc::as_ptr(read));
@@ -88,8 +107,8 @@ impl Edits {
         Self { scene: Arc::downgrade(scene), materials }
     }
 
-    /// Those that are of `scene`.
-    pub(super) fn of(&self, scene: &Arc<Scene>) -> &[MaterialEdit] {
-        if Weak::as_ptr(&self.scene) == Arc::as_ptr(scene) { &self.materials } else { &[] }
+    /// Those that are of one of these scenes.
+    pub(super) fn of(&self, scenes: &[Weak<Scene>]) -> &[MaterialEdit] {
+        if scenes.iter().any(|scene| scene.ptr_eq(&self.scene)) { &self.materials } else { &[] }
     }
 }

@@ -15,7 +15,7 @@ use crate::watch::Cancelled;
 use rayon::ThreadPool;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::atomic::Ordering;
-use std::sync::{Arc, PoisonError};
+use std::sync::{Arc, PoisonError, Weak};
 use std::time::{Duration, Instant};
 
 /// What the worker has done so far, and what is in force.
@@ -30,6 +30,10 @@ pub(super) struct State {
     /// The same as it was read.
     pub(super) read: Option<Arc<Scene>>,
     pub(super) prepared: Option<Prepared>,
+    /// Whether the light of the lamps has settled with these materials, so that another sky leaves it alone.
+    lamps_stand: bool,
+    /// The scenes under other skies that this one came from, and itself: an index into one means the same in all.
+    pub(super) alike: Vec<Weak<Scene>>,
     /// Rows of a solve that was interrupted.
     pub(super) rows: RowStore,
     pub(super) transport: Option<Arc<dyn Transport>>,
@@ -81,6 +85,7 @@ impl Worker<'_> {
                 // A stop that came after this request, before it was begun, still holds.
                 let stopped = self.shared.stopped.load(Ordering::Acquire);
                 self.shared.cancel.store(stopped, Ordering::Release);
+                self.shared.cancel_direct.store(stopped, Ordering::Release);
                 wanted.clone()
             };
             if self.shared.quit.load(Ordering::Acquire) {
@@ -140,8 +145,8 @@ impl Worker<'_> {
         let mut wanted = wanted.clone();
         let mut todo = self.renew(&mut wanted)?;
         let prepared = self.state.prepared.clone().ok_or(Failure::Cancelled)?;
-        let edits = wanted.edits.of(&prepared.scene).to_vec();
-        let stands = !todo.mesh && wanted.settings == self.state.settings && edits == self.state.edits;
+        let edits = wanted.edits.of(&self.state.alike).to_vec();
+        let stands = !todo.mesh && !todo.daylight && wanted.settings == self.state.settings && edits == self.state.edits;
         if self.refused.is_some()
             && stands
             && let Some(stage) = self.settled
@@ -160,8 +165,11 @@ impl Worker<'_> {
         }
         (self.state.source, self.state.opened) = (wanted.source, wanted.opened);
         self.snapshot.settings.clone_from(&wanted.settings);
+        self.state.lamps_stand &= wanted.settings == self.state.settings;
         self.state.settings = wanted.settings;
 
+        let is_same_paint = self.state.edits == edits;
+        self.state.lamps_stand &= is_same_paint && !todo.mesh;
         self.state.edits = edits;
         let reflectance = patch_reflectance(&prepared.mesh, &|material| self.reflectance_of(material));
         if let Some(solution) = self.snapshot.solution_mut() {
@@ -169,7 +177,6 @@ impl Worker<'_> {
             solution.settings.clone_from(&self.state.settings);
         }
         let system = system(&prepared, &reflectance);
-
         if prepared.scene.luminaires.is_empty() && !wanted.unlit {
             todo.unlit = true;
             self.snapshot.rows = (0, prepared.mesh.patches.len());
@@ -204,6 +211,11 @@ impl Worker<'_> {
             }
             self.snapshot.unshot = None;
         }
+        if todo.daylight && self.state.lamps_stand && self.element_light().is_some_and(|e| e.serves(&system)) {
+            todo.sweeps = self.settle_daylight(&prepared, &system)?;
+            (self.snapshot.fraction, self.snapshot.seconds_left) = (1.0, None);
+            return Ok(todo);
+        }
         let are_new = self.lay_out_elements(&prepared, &system)?;
         // A recoloured material may call for three bands where one did.
         let is_ready = |elements: &Arc<ElementLight>| elements.is_settled && elements.serves(&system);
@@ -231,6 +243,7 @@ impl Worker<'_> {
         let plan = (todo.rows > 0).then(|| solve::measured(&prepared, system.lamps, &timings));
         let bases = Arc::new(bases);
         self.state.bases = Some(bases.clone());
+        self.state.lamps_stand = true;
         if let Some(solution) = self.snapshot.solution_mut() {
             (solution.bases, solution.sweeps, solution.timings) = (bases, sweeps, timings);
             if let Some(plan) = plan {
@@ -268,7 +281,7 @@ impl Worker<'_> {
     }
 
     /// The transport stands that the light of the patches comes from, direct light included.
-    fn settle_elements(&mut self, prepared: &Prepared, system: &System) -> Result<(), Failure> {
+    pub(super) fn settle_elements(&mut self, prepared: &Prepared, system: &System) -> Result<(), Failure> {
         let Some(transport) = self.state.transport.clone() else { return Ok(()) };
         let Some(elements) = self.element_light().map(|elements| ElementLight::clone(elements)) else {
             return Ok(());
@@ -308,12 +321,14 @@ impl Worker<'_> {
             self.prepare(scene, wanted, todo, Timings { load, ..Timings::default() })
         } else if todo.mesh {
             let read = self.state.read.clone().ok_or(Failure::Cancelled)?;
-            let scene = match wanted.lamps_of(&read).filter(|_| todo.lamps) {
-                Some(lamps) if *lamps != read.placed => Arc::new(read.with_placed(lamps.to_vec())),
-                Some(_) => read,
-                None => self.state.scene.clone().ok_or(Failure::Cancelled)?,
+            let scene = if todo.lamps || todo.daylight {
+                self.other_scene(wanted, &read)?
+            } else {
+                self.state.scene.clone().ok_or(Failure::Cancelled)?
             };
             self.prepare(scene, wanted, todo, self.snapshot.timings)
+        } else if todo.daylight {
+            self.take_up_daylight(wanted)
         } else {
             Ok(())
         }
@@ -331,6 +346,9 @@ impl Worker<'_> {
         } else {
             if let (true, Some(read), Some(scene)) = (refused.lamps, &self.state.read, &self.state.scene) {
                 newest.return_to_lamps(wanted, read, scene);
+            }
+            if let (true, Some(read), Some(scene)) = (refused.daylight, &self.state.read, &self.state.scene) {
+                newest.return_to_daylight(wanted, read, scene);
             }
             wanted.settings.clone_from(&self.state.settings);
             if newest.generation == wanted.generation {
@@ -369,6 +387,9 @@ impl Worker<'_> {
         });
         self.state.bases = light.map(Arc::new);
         self.state.scene = Some(scene.clone());
+        if !is_same_scene {
+            self.state.alike = vec![Arc::downgrade(&scene)];
+        }
         if todo.scene {
             (self.state.read, self.snapshot.read) = (Some(scene.clone()), Some(scene.clone()));
         }

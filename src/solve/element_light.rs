@@ -1,6 +1,6 @@
 use super::pipeline::{DirectTarget, Prepared};
 use super::uneven::UnevenLight;
-use crate::direct::{DirectLight, ElementSettings, Elements, Focus};
+use crate::direct::{DirectLight, ElementSettings, Elements, Focus, Layout};
 use crate::effects::Effect;
 use crate::emitters::Basis;
 use crate::mesh::PatchMesh;
@@ -15,6 +15,10 @@ use std::sync::Arc;
 pub struct ElementLight {
     /// How finely it was laid out.
     pub target: DirectTarget,
+    /// What it is lit from at other hours.
+    pub layout: Arc<Layout>,
+    /// Whether it was laid out under the sky that it is lit by.
+    pub is_of_hour: bool,
     /// Whether the patches have what the transport makes of it.
     pub is_settled: bool,
     /// Where it is kept.
@@ -48,20 +52,80 @@ impl ElementLight {
         system: &System,
         watch: &mut Watch<'_>,
     ) -> Result<Self, Cancelled> {
-        let Prepared { scene, mesh, plan, .. } = prepared;
+        let Prepared { mesh, plan, .. } = prepared;
         let light = DirectLight::new(mesh, plan.is_on(Effect::Visibility));
-        let bases = light.emitters().bases.clone();
-        let settings = ElementSettings {
-            error: target.error,
-            most: target.most,
-            work: target.work,
-            exitance: exitances(scene, &bases),
-            smooth: plan.is_on(Effect::SmoothSurfaces),
-            focus,
-            adapted: mesh.outdoors.is_some(),
+        let settings = settings(prepared, target, focus, &light);
+        let layout = Layout::build(mesh, &light, &settings, &mut watch.part(0.0, 0.85))?;
+        let elements = layout.lit(mesh, &light, &settings, &mut watch.part(0.85, 1.0))?;
+        Ok(Self::new(target, (layout, elements), light, mesh, system))
+    }
+
+    /// The same under the sky of another hour, that of `prepared`: lamps stay, and so does all that was laid out for
+    /// them and for the sky.
+    ///
+    /// Patches take it over at once; what leaves near patches unevenly of it is known once it is [settled](Self::settled).
+    ///
+    /// # Errors
+    /// The watch ended it.
+    pub fn at_hour(
+        &self,
+        prepared: &Prepared,
+        system: &System,
+        watch: &mut Watch<'_>,
+    ) -> Result<Self, Cancelled> {
+        let mesh = &prepared.mesh;
+        let light = self.direct.at_hour_of(mesh);
+        let settings = settings(prepared, self.target, None, &light);
+        let elements = self.layout.lit(mesh, &light, &settings, watch)?;
+        let columns = system.columns();
+        let means = means(&elements, &self.bases, mesh, (system.lamps, system.bands));
+        let mut of_patches = LightBases::clone(&self.of_patches);
+        let mut given = LightBases::clone(&self.given);
+        let mut arriving = self.arriving.to_vec();
+        for column in (0..columns).filter(|&column| system.is_outdoors(column)) {
+            let mut sum = 0.0;
+            for i in 0..system.patches() {
+                let (at, value) = (i * columns + column, means.values[i * columns + column]);
+                (of_patches.values[at], given.values[at]) = (value, value);
+                sum += system.areas[i] * f64::from(value);
+            }
+            arriving[column] = sum;
+        }
+        let is_outdoors = |basis: u32| self.outdoors.contains(&self.bases[basis as usize].lamp);
+        Ok(Self {
+            elements: Arc::new(elements),
+            direct: Arc::new(light),
+            is_of_hour: false,
+            of_patches: Arc::new(of_patches),
+            given: Arc::new(given),
+            arriving: arriving.into(),
+            uneven: Arc::new(self.uneven.without(is_outdoors)),
+            ..self.clone()
+        })
+    }
+
+    /// The light of patches at this hour, about, by that of the hour before: what surfaces pass on goes with what arrives.
+    pub fn guess(&self, before: &Self, light: &LightBases) -> LightBases {
+        let columns = light.lamps * light.bands;
+        let fits = |other: &LightBases| other.values.len() == light.values.len();
+        if columns == 0 || !fits(&self.given) || !fits(&before.given) {
+            return light.clone();
+        }
+        let ratio = |column: usize| {
+            let [now, then] =
+                [self, before].map(|light| light.arriving.get(column).copied().unwrap_or(0.0));
+            if then > 0.0 { (now / then) as f32 } else { 0.0 }
         };
-        let elements = Elements::build(mesh, &light, &settings, watch)?;
-        Ok(Self::new(target, elements, light, mesh, system))
+        let is_outdoors = |column: &usize| self.outdoors.contains(&((column / light.bands) as u32));
+        let mut guess = light.clone();
+        for column in (0..columns).filter(is_outdoors) {
+            let ratio = ratio(column);
+            for at in (column..light.values.len()).step_by(columns) {
+                let passed_on = (light.values[at] - before.given.values[at]).max(0.0);
+                guess.values[at] = self.given.values[at] + ratio * passed_on;
+            }
+        }
+        guess
     }
 
     /// The same once the transport stands: where patches lie under something they
@@ -189,7 +253,7 @@ impl ElementLight {
     /// Elements of a mesh; the patches are taken to have the mean of what is on them.
     fn new(
         target: DirectTarget,
-        elements: Elements,
+        (layout, elements): (Layout, Elements),
         direct: DirectLight,
         mesh: &PatchMesh,
         system: &System,
@@ -198,6 +262,8 @@ impl ElementLight {
         let of_patches = Arc::new(means(&elements, &bases, mesh, (system.lamps, system.bands)));
         Self {
             target,
+            layout: Arc::new(layout),
+            is_of_hour: true,
             is_settled: false,
             elements: Arc::new(elements),
             direct: Arc::new(direct),
@@ -272,6 +338,25 @@ impl ElementLight {
 const SEALED: f64 = 1e-4;
 /// Where so much of a lamp's flux or more is off, something else than the mesh is the reason.
 const NEARLY_ALL: f64 = 0.02;
+
+/// How finely direct light is laid out for a target.
+fn settings(
+    prepared: &Prepared,
+    target: DirectTarget,
+    focus: Option<Focus>,
+    light: &DirectLight,
+) -> ElementSettings {
+    let Prepared { scene, mesh, plan, .. } = prepared;
+    ElementSettings {
+        error: target.error,
+        most: target.most,
+        work: target.work,
+        exitance: exitances(scene, &light.emitters().bases),
+        smooth: plan.is_on(Effect::SmoothSurfaces),
+        focus,
+        adapted: mesh.outdoors.is_some(),
+    }
+}
 
 /// What counts of each basis: luminance of its exitance at full output, W/m².
 fn exitances(scene: &Scene, bases: &[Basis]) -> Vec<f64> {

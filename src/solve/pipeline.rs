@@ -461,12 +461,30 @@ impl<'a> Run<'a> {
     }
 
     /// Sweeps from `start` to the tolerance.
+    ///
+    /// # Errors
+    /// The run was ended.
     pub fn sweeps(
         &mut self,
         prepared: &Prepared,
         transport: &dyn Transport,
         system: &System,
         start: Option<&LightBases>,
+        tolerance: f64,
+    ) -> Result<(LightBases, Vec<SweepReport>), PipelineError> {
+        self.sweeps_of(prepared, transport, system, (start, None), tolerance)
+    }
+
+    /// As [`Self::sweeps`], of some columns of the system alone where these are named: the others stay as they start.
+    ///
+    /// # Errors
+    /// The run was ended.
+    pub fn sweeps_of(
+        &mut self,
+        prepared: &Prepared,
+        transport: &dyn Transport,
+        system: &System,
+        start: (Option<&LightBases>, Option<&[usize]>),
         tolerance: f64,
     ) -> Result<(LightBases, Vec<SweepReport>), PipelineError> {
         let clock = self.clock();

@@ -145,6 +145,19 @@ impl UnevenLight {
         reach
     }
 
+    /// All but what bases send that are `left_out`.
+    pub(super) fn without(&self, left_out: impl Fn(u32) -> bool) -> Self {
+        let mut kept = Self::default();
+        let mut start = 0;
+        for &end in &self.ends {
+            let own = &self.entries[start..end as usize];
+            kept.entries.extend(own.iter().filter(|entry| !left_out(entry.basis)));
+            kept.ends.push(kept.entries.len() as u32);
+            start = end as usize;
+        }
+        kept
+    }
+
     /// How many pairs of a patch and a basis of another are kept.
     pub fn entries(&self) -> usize {
         self.entries.len()

@@ -18,6 +18,8 @@ pub fn columns_read(columns: usize) -> usize {
 #[derive(Clone, Debug)]
 pub struct GaussSeidel {
     groups: Vec<Group>,
+    /// What it started from: columns that no group has stay as they are there.
+    start: LightBases,
     aggregates: Aggregates,
     balance: PowerBalance,
     sweep: u32,
@@ -59,13 +61,13 @@ impl GaussSeidel {
         system: &System,
         start: Option<&LightBases>,
     ) -> Self {
-        match Self::new_unless(mesh, transport, system, start, &|| false) {
+        match Self::new_unless(mesh, transport, system, (start, None), &|| false) {
             Ok(solver) => solver,
             Err(watch::Cancelled) => unreachable!("nobody ends it"),
         }
     }
 
-    /// As [`Self::new`]; asks every few milliseconds whether to end.
+    /// As [`Self::new`], of some `columns` alone where these are named; asks every few milliseconds whether to end.
     ///
     /// # Errors
     /// It was `cancelled`.
@@ -73,12 +75,15 @@ impl GaussSeidel {
         mesh: &PatchMesh,
         transport: &dyn Transport,
         system: &System,
-        start: Option<&LightBases>,
+        (start, columns): (Option<&LightBases>, Option<&[usize]>),
         cancelled: &(dyn Fn() -> bool + Sync),
     ) -> Result<Self, watch::Cancelled> {
         let n = system.patches();
         let start = start.filter(|s| s.patches == n && s.lamps == system.lamps && s.bands == system.bands);
-        let columns: Vec<usize> = (0..system.columns()).collect();
+        let columns: Vec<usize> = match columns {
+            Some(columns) => columns.iter().copied().filter(|&c| c < system.columns()).collect(),
+            None => (0..system.columns()).collect(),
+        };
         let gathered;
         let direct = match &system.direct {
             Some(direct) => direct,
@@ -122,8 +127,10 @@ impl GaussSeidel {
         let spectral_bound = (0..n)
             .map(|i| row_sums[i] * system.reflectance[i][..system.bands].iter().copied().fold(0.0, f64::max))
             .fold(0.0, f64::max);
+        let kept = if columns.len() < system.columns() { start.clone() } else { LightBases::default() };
         let mut solver = Self {
             groups,
+            start: kept,
             aggregates,
             balance,
             row_sums,
@@ -212,7 +219,8 @@ impl GaussSeidel {
     /// The irradiance of every patch and column as it stands.
     pub fn bases(&self, system: &System) -> LightBases {
         let stride = system.columns();
-        let mut values = vec![0.0_f32; system.patches() * stride];
+        let mut values = self.start.values.clone();
+        values.resize(system.patches() * stride, 0.0);
         for group in &self.groups {
             for (i, (passed_on, direct)) in group.irradiance.iter().zip(&group.direct).enumerate() {
                 for (lane, &column) in group.columns.iter().enumerate() {

@@ -1,0 +1,103 @@
+//! Another sky over the same scene: what that leaves standing, and what it lights anew.
+
+use super::failure::Failure;
+use super::wanted::Wanted;
+use super::worker::Worker;
+use crate::mesh::PatchMesh;
+use crate::scene::{PlacedLamp, Scene};
+use crate::solve::{Prepared, Stage, patch_reflectance, system};
+use crate::solver::System;
+use crate::watch::{Cancelled, Watch};
+use std::sync::Arc;
+use std::sync::atomic::Ordering;
+
+impl Worker<'_> {
+    /// The scene as read with the lamps and the daylight that are wanted.
+    pub(super) fn other_scene(&self, wanted: &Wanted, read: &Arc<Scene>) -> Result<Arc<Scene>, Failure> {
+        let placed: &[PlacedLamp] = wanted.lamps_of(read).unwrap_or(&read.placed);
+        let daylight = wanted.daylight_of(read).map(|choice| choice.without_lamps());
+        let own = read.outdoors.as_ref().map(|outdoors| outdoors.choice.without_lamps());
+        let scene = match placed == read.placed.as_slice() {
+            true => Arc::clone(read),
+            false => Arc::new(read.with_placed(placed.to_vec())),
+        };
+        if daylight == own {
+            return Ok(scene);
+        }
+        Ok(Arc::new(scene.with_daylight(wanted.daylight_of(read))?))
+    }
+
+    /// Puts the present scene under another sky: its mesh stays but for what shines from outside. Direct light comes anew,
+    /// and the light of the patches by that, about; shown at once.
+    ///
+    /// A newer wish for yet another sky does not end it, so that a handle that is dragged is followed.
+    pub(super) fn take_up_daylight(&mut self, wanted: &Wanted) -> Result<(), Failure> {
+        let before = self.state.prepared.clone().ok_or(Failure::Cancelled)?;
+        let read = self.state.read.clone().ok_or(Failure::Cancelled)?;
+        let Some(choice) = wanted.daylight_of(&read) else { return Ok(()) };
+        // 1. Nothing of the state changes before all is there.
+        let scene = Arc::new(before.scene.with_daylight(Some(choice))?);
+        let outdoors = scene.outdoors.clone().map(Arc::new);
+        let mesh = Arc::new(PatchMesh { outdoors, ..PatchMesh::clone(&before.mesh) });
+        let prepared = Prepared { scene: Arc::clone(&scene), mesh: Arc::clone(&mesh), ..before };
+        let reflectance = patch_reflectance(&mesh, &|material| self.reflectance_of(material));
+        let system = system(&prepared, &reflectance);
+        let standing = self.element_light().filter(|light| light.serves(&system)).cloned();
+        let lit = match &standing {
+            Some(light) => {
+                let shared = Arc::clone(&self.shared);
+                let cancelled = || shared.cancel_direct.load(Ordering::Acquire);
+                let mut nobody = |_| {};
+                let lit = light.at_hour(&prepared, &system, &mut Watch::new(&cancelled, &mut nobody));
+                Some(Arc::new(lit.map_err(|Cancelled| Failure::Cancelled)?))
+            }
+            None => None,
+        };
+        // 2. Who holds an index into one of these scenes means the same in the others.
+        self.state.alike.retain(|scene| scene.strong_count() > 0);
+        self.state.alike.push(Arc::downgrade(&scene));
+        (self.state.scene, self.state.prepared) = (Some(scene), Some(prepared.clone()));
+        if let (Some(standing), Some(lit), Some(bases)) = (&standing, &lit, &self.state.bases) {
+            self.state.bases = Some(Arc::new(lit.guess(standing, bases)));
+        }
+        let bases = self.state.bases.clone();
+        if let Some(solution) = self.snapshot.solution_mut() {
+            (solution.scene, solution.mesh) = (prepared.scene, prepared.mesh);
+            solution.element_light = lit;
+            solution.budget = None;
+            if let Some(bases) = bases {
+                solution.bases = bases;
+            }
+        }
+        self.publish(Stage::Sweeping);
+        Ok(())
+    }
+
+    /// What sky and sun make of this scene in the end, once direct light stands: the light of all lamps stays.
+    pub(super) fn settle_daylight(&mut self, prepared: &Prepared, system: &System) -> Result<usize, Failure> {
+        let transport = self.state.transport.clone().ok_or(Failure::Cancelled)?;
+        let columns: Vec<usize> =
+            (0..system.columns()).filter(|&column| system.is_outdoors(column)).collect();
+        let mut done = 0;
+        // First as light leaves patches evenly, then as it does.
+        for is_last in [false, true] {
+            if is_last {
+                self.settle_elements(prepared, system)?;
+            }
+            let given = self.element_light().map(|elements| &elements.given);
+            let lit = system.clone().with_direct(given);
+            let (start, tolerance) = (self.state.bases.clone(), self.state.settings.tolerance);
+            let (bases, sweeps) = self.with_run(|run| {
+                let start = (start.as_deref(), Some(columns.as_slice()));
+                run.sweeps_of(prepared, transport.as_ref(), &lit, start, tolerance)
+            })?;
+            done += sweeps.len();
+            let bases = Arc::new(bases);
+            self.state.bases = Some(Arc::clone(&bases));
+            if let Some(solution) = self.snapshot.solution_mut() {
+                (solution.bases, solution.sweeps) = (bases, sweeps);
+            }
+        }
+        Ok(done)
+    }
+}
