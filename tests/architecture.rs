@@ -41,7 +41,7 @@ const ROOMS: &[(&str, &str)] = &[
     ),
     (
         "ui",
-        "study outputs export render navigation display session solve accuracy solver transport direct emitters form_factors \
+        "study outputs export render navigation display session daylight solve accuracy solver transport direct emitters form_factors \
          effects mesh scene photometry geometry",
     ),
     (

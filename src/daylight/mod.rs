@@ -14,6 +14,7 @@
 mod bins;
 mod cie;
 mod compass;
+mod day;
 mod epw;
 mod error;
 mod hemisphere;
@@ -33,6 +34,7 @@ mod tests;
 pub use bins::{BinValue, SkyBins};
 pub use cie::CieType;
 pub use compass::Compass;
+pub use day::DayLength;
 pub use error::{DaylightError, WeatherError};
 pub use outdoors::{Daylight, LUMINOUS_EFFICACY, Phase, USUAL_GROUND};
 pub use perez::{PerezSky, USUAL_WATER, water_of_dew_point};

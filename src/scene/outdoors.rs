@@ -385,6 +385,14 @@ impl Scene {
         Ok(scene)
     }
 
+    /// The sky that daylight comes to over this scene.
+    ///
+    /// # Errors
+    /// As [`Self::with_daylight`].
+    pub fn outdoors_for(&self, choice: &DaylightChoice) -> Result<Outdoors, SceneError> {
+        Ok(self.outdoors_of(self.asked(choice)?, self.own_luminaires() as u32))
+    }
+
     fn asked(&self, choice: &DaylightChoice) -> Result<Asked, SceneError> {
         let fail = |fault: String| SceneError::file(&format!("{}.toml", self.name), fault);
         let known = self.outdoors.as_ref().filter(|before| before.choice.weather == choice.weather);

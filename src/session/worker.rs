@@ -146,7 +146,10 @@ impl Worker<'_> {
         let mut todo = self.renew(&mut wanted)?;
         let prepared = self.state.prepared.clone().ok_or(Failure::Cancelled)?;
         let edits = wanted.edits.of(&self.state.alike).to_vec();
-        let stands = !todo.mesh && !todo.daylight && wanted.settings == self.state.settings && edits == self.state.edits;
+        let stands = !todo.mesh
+            && !todo.daylight
+            && wanted.settings == self.state.settings
+            && edits == self.state.edits;
         if self.refused.is_some()
             && stands
             && let Some(stage) = self.settled
@@ -211,7 +214,8 @@ impl Worker<'_> {
             }
             self.snapshot.unshot = None;
         }
-        if todo.daylight && self.state.lamps_stand && self.element_light().is_some_and(|e| e.serves(&system)) {
+        if todo.daylight && self.state.lamps_stand && self.element_light().is_some_and(|e| e.serves(&system))
+        {
             todo.sweeps = self.settle_daylight(&prepared, &system)?;
             (self.snapshot.fraction, self.snapshot.seconds_left) = (1.0, None);
             return Ok(todo);

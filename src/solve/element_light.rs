@@ -112,8 +112,7 @@ impl ElementLight {
             return light.clone();
         }
         let ratio = |column: usize| {
-            let [now, then] =
-                [self, before].map(|light| light.arriving.get(column).copied().unwrap_or(0.0));
+            let [now, then] = [self, before].map(|light| light.arriving.get(column).copied().unwrap_or(0.0));
             if then > 0.0 { (now / then) as f32 } else { 0.0 }
         };
         let is_outdoors = |column: &usize| self.outdoors.contains(&((column / light.bands) as u32));

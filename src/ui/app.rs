@@ -5,6 +5,7 @@ use super::auditor::Auditor;
 use super::background::Background;
 use super::camera_control::CameraControl;
 use super::command::EditKey;
+use super::daylight::{Day, DayPlaying};
 use super::doctor::Doctor;
 use super::exposure::AutoExposure;
 use super::files::Files;
@@ -111,6 +112,10 @@ pub struct App {
     pub(super) divider: f32,
     /// The tour that plays.
     pub(super) touring: Option<Playing>,
+    /// What the daylight that is asked for comes to.
+    pub(super) day: Option<Day>,
+    /// The day that plays.
+    pub(super) day_playing: Option<DayPlaying>,
     /// The tour whose ways were found last.
     pub(super) tours: Background<Plan, Option<Tour>>,
     pub(super) clock: FrameClock,
@@ -207,6 +212,8 @@ impl App {
             viewport,
             view_rect: egui::Rect::ZERO,
             divider: 0.5,
+            day: None,
+            day_playing: None,
             touring: None,
             tours: Background::default(),
             clock,
@@ -322,6 +329,7 @@ impl App {
         side(egui::Panel::left("left")).show_collapsible(ui, &mut left_open, |ui| {
             scroll(ui, "left scroll", |ui| {
                 panels::section(ui, "Lights", true, |ui| panels::lights::show(ui, &model, out));
+                panels::section(ui, "Daylight", true, |ui| panels::daylight::show(ui, &model, out));
                 panels::section(ui, "Views", true, |ui| panels::views::show(ui, &model, out));
                 panels::section(ui, "Materials", true, |ui| panels::materials::show(ui, &model, out));
             });
@@ -392,6 +400,8 @@ impl App {
             shown_values: &self.shown_values,
             solo: self.solo.as_ref().map(|(lamp, _)| *lamp),
             has_comparison: self.picture.has_comparison(),
+            day: self.day.as_ref(),
+            is_day_playing: self.day_playing.is_some(),
             tour: self.touring.as_ref().map(Playing::progress),
             can_tour: self.can_tour(),
             longest_secs: self.clock.longest(),
@@ -432,6 +442,7 @@ impl eframe::App for App {
         self.clock.begin_frame(&self.snapshot.stage);
         self.measure_costs(ctx, frame);
         self.listen(ctx);
+        self.play_day(ctx, ctx.input(|i| f64::from(i.unstable_dt)));
         self.guard_the_exit(ctx);
         self.clock.rest();
     }

@@ -9,6 +9,8 @@ pub(super) fn words(done: &Recompute, scene: &str) -> String {
         format!("opened {scene}")
     } else if done.lamps {
         "placed lamps".to_owned()
+    } else if done.daylight && !done.mesh {
+        "daylight".to_owned()
     } else if done.mesh {
         "settings".to_owned()
     } else if done.rows > 0 {

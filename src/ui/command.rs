@@ -5,7 +5,7 @@ use super::auditor::Ask;
 use super::camera_control::Motion;
 use super::doctor;
 use super::state::DisplaySettings;
-use crate::scene::{LampState, LengthUnit, SceneSource, UpAxis};
+use crate::scene::{DaylightChoice, LampState, LengthUnit, SceneSource, UpAxis};
 use crate::solve::SolveSettings;
 
 /// What is saved to a file.
@@ -71,6 +71,10 @@ pub(super) enum Command {
     SoloLamp(usize),
     /// As the file has them.
     ResetLamps,
+    /// Another sky over the model, or none.
+    SetDaylight(Option<DaylightChoice>),
+    /// Play the day, or end that.
+    ToggleDay,
     /// A new reflectance; `None` restores that of the file.
     SetReflectance(usize, Option<[f64; 3]>),
     /// Place lamps below the ceilings of all rooms, once they are found.
@@ -164,6 +168,8 @@ pub(super) enum EditKey {
     Lamps,
     /// Which lamps are placed in the model.
     PlacedLamps,
+    /// The sky over the model.
+    Daylight,
     /// One material.
     Material(usize),
     /// All materials at once.
@@ -181,6 +187,7 @@ impl Command {
                 Some(EditKey::Lamps)
             }
             Self::SetReflectance(material, _) => Some(EditKey::Material(*material)),
+            Self::SetDaylight(_) => Some(EditKey::Daylight),
             Self::ResetMaterials => Some(EditKey::Materials),
             Self::SetDisplay(_) => Some(EditKey::Display),
             _ => None,

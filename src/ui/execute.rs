@@ -12,7 +12,7 @@ use super::picture::shading_of;
 use super::state::{DisplaySettings, Edits, Quantity};
 use super::units;
 use crate::display::{Exposure, white_balance};
-use crate::scene::{LampState, Lighting, SceneSource, View};
+use crate::scene::{DaylightChoice, LampState, Lighting, SceneSource, View};
 use crate::solve::SolveSettings;
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -33,13 +33,24 @@ impl App {
         if let Some(key) = command.edit_key() {
             let discrete = !matches!(
                 command,
-                Command::SetLamp(..) | Command::SetReflectance(..) | Command::SetDisplay(_)
+                Command::SetLamp(..)
+                    | Command::SetReflectance(..)
+                    | Command::SetDisplay(_)
+                    | Command::SetDaylight(_)
             );
             // Whoever switches a lamp knows that one can.
             self.state.hint_done |= matches!(
                 command,
                 Command::SetLamp(..) | Command::ToggleLamp(_) | Command::AllLamps(_) | Command::SoloLamp(_)
             );
+            if let Command::SetDaylight(choice) = &command {
+                // Who moves the handle has taken it over.
+                self.day_playing = None;
+                if let Some(edits) = self.with_daylight(choice.as_ref()) {
+                    self.apply(key, edits);
+                }
+                return;
+            }
             let (edits, solo) = self.edited(&command);
             self.apply(key, edits);
             if solo.is_some() || !matches!(command, Command::SetDisplay(_) | Command::SetReflectance(..)) {
@@ -122,6 +133,7 @@ impl App {
                     self.worker.set_settings(settings);
                 }
             }
+            Command::ToggleDay => self.toggle_day(),
             Command::AddCeilingLamps => self.look_for_lamps(),
             Command::Doctor(ask) => self.ask_doctor(ask),
             Command::Inspect(patch) => {
@@ -165,6 +177,7 @@ impl App {
             | Command::AllLamps(_)
             | Command::SoloLamp(_)
             | Command::ResetLamps
+            | Command::SetDaylight(_)
             | Command::SetReflectance(..)
             | Command::ResetMaterials
             | Command::SetDisplay(_) => {}
@@ -203,6 +216,10 @@ impl App {
                 // One with other lamps is on its way.
                 if let Some(scene) = scene.filter(|scene| scene.luminaires.len() == lamps.len()) {
                     edits.lighting = scene.lighting();
+                    if let (Some(out), Some(day)) = (&scene.outdoors, &self.day) {
+                        let states = edits.lighting.lamps.get_mut(out.sky as usize..=out.sun as usize);
+                        states.into_iter().for_each(|states| states.clone_from_slice(&day.outdoors.states()));
+                    }
                 }
             }
             Command::SetReflectance(index, value) => {
@@ -225,15 +242,21 @@ impl App {
     }
 
     /// Puts other edits into force and does what the difference asks for, and no more.
-    fn replace_edits(&mut self, edits: Edits) {
+    pub(super) fn replace_edits(&mut self, edits: Edits) {
         let before = std::mem::replace(&mut self.edits, edits);
+        let sky = |edits: &Edits| edits.daylight.as_ref().map(DaylightChoice::without_lamps);
+        let is_other_sky = sky(&before) != sky(&self.edits);
+        if is_other_sky {
+            self.follow_day();
+            self.send_daylight();
+        }
         if before.placed != self.edits.placed {
             self.send_placed();
-        } else if before.lighting != self.edits.lighting {
+        } else if before.lighting != self.edits.lighting && !is_other_sky {
             // Whoever asked for one lamp alone says so after this.
             self.solo = None;
             let start = Instant::now();
-            self.picture.settle(&self.edits.lighting);
+            self.settle_picture();
             let what = self.describe_lamps(&before.lighting);
             let took = units::duration(start.elapsed().as_secs_f64());
             self.last_change = format!("{what}: 0 rows, 0 sweeps, {took}");

@@ -13,6 +13,7 @@ mod change;
 mod colour;
 mod command;
 mod comparison;
+mod daylight;
 mod doctor;
 mod drawn;
 mod execute;

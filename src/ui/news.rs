@@ -1,6 +1,7 @@
 //! What the worker and the helper threads have brought since the last frame.
 
 use super::app::{App, Asked};
+use super::daylight::lighting_for;
 use super::files::FileNews;
 use super::microscope::Shown;
 use super::overlay::{NOTICE_SECS, Notice};
@@ -19,8 +20,18 @@ impl App {
         let before = std::mem::replace(&mut self.snapshot, self.worker.latest());
         let wake = ctx.clone();
         let wake = move |seconds| wake.request_repaint_after_secs(seconds);
+        self.follow_day();
+        // A scene under another sky is read from the same file, and has as many lamps.
+        let is_same_read = match (self.lampless.read(), &self.snapshot.read) {
+            (Some(own), Some(read)) => Arc::ptr_eq(own, read),
+            _ => false,
+        };
+        let (edits, day) = (&self.edits, self.day.as_ref());
         let lighting = |scene: &Arc<Scene>| match &self.scene_shown {
-            Some(shown) if Arc::ptr_eq(shown, scene) => self.edits.lighting.clone(),
+            Some(shown) if Arc::ptr_eq(shown, scene) => lighting_for(edits, day, scene),
+            Some(_) if is_same_read && edits.lighting.lamps.len() == scene.luminaires.len() => {
+                lighting_for(edits, day, scene)
+            }
             _ => scene.lighting(),
         };
         let shading = self.edits.display.shading;
@@ -28,10 +39,11 @@ impl App {
         if news.mesh {
             self.adopt_scene();
         }
+        self.follow_sky();
         if news.bases {
             self.follow_with_comparison(ctx.input(|i| i.time));
             // Switched while the light was made.
-            self.picture.settle(&self.edits.lighting);
+            self.settle_picture();
             self.stale.light = true;
             self.stale.exposure = true;
         }

@@ -3,7 +3,7 @@
 
 use super::camera_control::Motion;
 use crate::display::ToneMap;
-use crate::scene::{Lighting, PlacedLamp, Scene};
+use crate::scene::{DaylightChoice, Lighting, PlacedLamp, Scene};
 use crate::session::MaterialEdit;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeSet;
@@ -383,6 +383,8 @@ pub struct Edits {
     pub lighting: Lighting,
     /// Lamps placed in the model, by its sidecar or in the window.
     pub placed: Vec<PlacedLamp>,
+    /// The sky over the model; what it comes to is in `lighting` as well.
+    pub daylight: Option<DaylightChoice>,
     /// New reflectance by material; `None` where it is that of the file.
     pub reflectance: Vec<Option<[f64; 3]>>,
     /// How the picture is made.
@@ -395,6 +397,7 @@ impl Edits {
         Self {
             lighting: scene.lighting(),
             placed: scene.placed.clone(),
+            daylight: scene.outdoors.as_ref().map(|outdoors| outdoors.choice.clone()),
             reflectance: vec![None; scene.materials.len()],
             display,
         }

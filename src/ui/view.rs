@@ -248,7 +248,7 @@ impl App {
             Some(SkyLight::of(outdoors, lighting).amplified(self.gains))
         };
         let frame = FrameInput {
-            sky: sky(&self.edits.lighting),
+            sky: self.picture.prepared.as_ref().and_then(|shown| sky(&self.lighting_for(&shown.scene))),
             stored_sky: self.picture.kept().and_then(|kept| sky(&kept.lighting)),
             source,
             exposure: self.exposure_in_force(),

@@ -1,7 +1,7 @@
 //! What the window asks of the solver's thread, so that tests can count it.
 
 use crate::direct::Focus;
-use crate::scene::{PlacedLamp, Scene, SceneSource};
+use crate::scene::{DaylightChoice, PlacedLamp, Scene, SceneSource};
 use crate::session::{MaterialEdit, Session, Snapshot};
 use crate::solve::SolveSettings;
 use std::sync::Arc;
@@ -22,6 +22,8 @@ pub trait Worker {
     fn set_materials(&self, scene: &Arc<Scene>, edits: Vec<MaterialEdit>);
     /// Places these lamps in the scene as it was `read`, instead of those that its file places.
     fn set_lamps(&self, read: &Arc<Scene>, lamps: Vec<PlacedLamp>);
+    /// Puts the scene as it was `read` under this sky, instead of that of its file, or under none.
+    fn set_daylight(&self, read: &Arc<Scene>, choice: Option<DaylightChoice>);
     /// Lets the solve rest where it is.
     fn pause(&self);
     /// Goes on from there; where nothing is solved for want of lamps, it is after all.
@@ -59,6 +61,10 @@ impl Worker for Arc<Session> {
 
     fn set_lamps(&self, read: &Arc<Scene>, lamps: Vec<PlacedLamp>) {
         Session::set_lamps(self, read, lamps);
+    }
+
+    fn set_daylight(&self, read: &Arc<Scene>, choice: Option<DaylightChoice>) {
+        Session::set_daylight(self, read, choice);
     }
 
     fn pause(&self) {

@@ -18,7 +18,8 @@ const OBJ: &str = "mtllib room.mtl\n\
     o board\nusemtl grey\nf 13 14 15 16\nf 20 19 18 17\nf 16 15 19 20\n\
     o lawn\nusemtl grey\nf 21 22 23 24\n\
     o lamp\nusemtl glow\nf 28 27 26 25\n";
-const MTL: &str = "newmtl white\nKd 0.7 0.7 0.7\nnewmtl grey\nKd 0.3 0.3 0.3\nnewmtl glow\nKd 0.8 0.8 0.8\nKe 20 20 20\n";
+const MTL: &str =
+    "newmtl white\nKd 0.7 0.7 0.7\nnewmtl grey\nKd 0.3 0.3 0.3\nnewmtl glow\nKd 0.8 0.8 0.8\nKe 20 20 20\n";
 
 /// A morning in Berlin.
 fn morning() -> DaylightChoice {
@@ -106,7 +107,11 @@ fn another_hour_costs_no_row_and_no_mesh_and_has_the_light_of_a_scene_read_at_th
         let done = then.last_change.expect("it tells what it did");
         assert!(done.daylight && !done.mesh && !done.scene && done.rows == 0, "{time}: {done:?}");
         let solution = then.solved().expect("whole");
-        assert_eq!((then.mesh_serial, solution.computer.rows_computed()), (first.mesh_serial, rows), "{time}");
+        assert_eq!(
+            (then.mesh_serial, solution.computer.rows_computed()),
+            (first.mesh_serial, rows),
+            "{time}"
+        );
         assert!(Arc::ptr_eq(then.transport().unwrap(), first.transport().unwrap()));
         let off = difference(&solution, &fresh(&at(time)));
         println!("{time}: {:.3} % off, {:.0} ms in all", 100.0 * off, 1e3 * done.seconds);
@@ -203,7 +208,8 @@ fn a_sky_comes_over_a_scene_that_had_none_and_goes_again() {
     assert_eq!(day.scene.luminaires.len(), 3);
     assert!(difference(&day, &fresh(&morning())) < 0.02);
     watched.session.set_daylight(read(&first), None);
-    let gone = watched.until("no sky", |s| s.scene().is_some_and(|s| s.outdoors.is_none()) && s.solved().is_some());
+    let gone =
+        watched.until("no sky", |s| s.scene().is_some_and(|s| s.outdoors.is_none()) && s.solved().is_some());
     assert_eq!(gone.scene().unwrap().luminaires.len(), 1);
 }
 
@@ -231,15 +237,15 @@ fn an_hour_has_the_same_bits_whatever_the_number_of_threads() {
             use lumenwalk::mesh::{MeshSettings, PatchTarget, build};
             use lumenwalk::watch::Watch;
             let of = |scene: &Scene| {
-                build(scene, &MeshSettings { target: PatchTarget::Count(300), ..MeshSettings::default() })
+                build(scene, &MeshSettings { target: PatchTarget::Count(900), ..MeshSettings::default() })
                     .expect("a mesh")
             };
             let (now, then) = (of(&scene), of(&later));
             let light = DirectLight::new(&now, true);
             let settings = ElementSettings {
-                error: 0.02,
+                error: 0.005,
                 most: 20_000,
-                work: 1_000_000,
+                work: 10_000_000,
                 exitance: light.emitters().bases.iter().map(|b| f64::from(b.lamp) + 100.0).collect(),
                 smooth: true,
                 focus: None,

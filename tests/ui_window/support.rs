@@ -4,7 +4,7 @@ use egui::{Key, Modifiers, Pos2};
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable as _;
 use lumenwalk::direct::Focus;
-use lumenwalk::scene::{self, PlacedLamp, Scene, SceneSource};
+use lumenwalk::scene::{self, DaylightChoice, PlacedLamp, Scene, SceneSource};
 use lumenwalk::session::{MaterialEdit, Snapshot};
 use lumenwalk::solve::{self, Control, SolveSettings, Timings};
 use lumenwalk::solver::SweepReport;
@@ -147,6 +147,9 @@ impl Worker for Counting {
     }
     fn set_lamps(&self, _read: &Arc<Scene>, lamps: Vec<PlacedLamp>) {
         self.note(format!("lamps {}", lamps.len()));
+    }
+    fn set_daylight(&self, _read: &Arc<Scene>, choice: Option<DaylightChoice>) {
+        self.note(format!("daylight {}", choice.and_then(|choice| choice.time).unwrap_or_default()));
     }
     fn pause(&self) {
         self.note("pause".to_owned());

@@ -2,6 +2,7 @@
 
 pub(super) mod accuracy;
 mod colour_picker;
+pub(super) mod daylight;
 pub(super) mod display;
 pub(super) mod doctor;
 mod error_chart;
@@ -22,6 +23,7 @@ pub(super) mod views;
 
 use super::auditor::Auditor;
 use super::command::Command;
+use super::daylight::Day;
 use super::doctor::Doctor;
 use super::fonts::Unreadable;
 use super::microscope::Microscope;
@@ -95,6 +97,10 @@ pub(super) struct Model<'a> {
     pub(super) solo: Option<usize>,
     /// Whether a state A is stored.
     pub(super) has_comparison: bool,
+    /// What the daylight that is asked for comes to.
+    pub(super) day: Option<&'a Day>,
+    /// Whether it plays.
+    pub(super) is_day_playing: bool,
     /// Seconds that a tour has played, and will play in all.
     pub(super) tour: Option<[f64; 2]>,
     /// Whether there are bookmarks enough for a tour.
