@@ -8,6 +8,8 @@ use super::sky_parts::SkyParts;
 use crate::mesh::{self, NO_PATCH, PatchMesh, Side};
 use glam::DVec3;
 use std::collections::HashMap;
+use std::ops::{Deref, DerefMut};
+use std::sync::Arc;
 
 /// Stands for "no element".
 pub const NO_ELEMENT: u32 = u32::MAX;
@@ -34,9 +36,9 @@ pub struct ElementCorner {
     pub normal: DVec3,
 }
 
-/// The trees, and the direct light at their corners.
+/// The trees, without light.
 #[derive(Clone, Debug, Default)]
-pub struct Elements {
+pub struct Trees {
     /// All corners; those of the roots come first.
     pub corners: Vec<ElementCorner>,
     /// All triangles, roots first.
@@ -44,10 +46,16 @@ pub struct Elements {
     /// For each triangle of [`PatchMesh::triangles`] and each side, at `2 * triangle + side`, its root; [`NO_ELEMENT`]
     /// where the side has no patch.
     pub roots: Vec<u32>,
-    /// Where the values of each corner end in `values`.
-    ends: Vec<u32>,
     /// For each root the region that it lies on.
     pub(super) regions: Vec<u32>,
+}
+
+/// The trees, and the direct light at their corners.
+#[derive(Clone, Debug, Default)]
+pub struct Elements {
+    trees: Arc<Trees>,
+    /// Where the values of each corner end in `values`.
+    ends: Vec<u32>,
     /// Basis and irradiance per unit of its exitance.
     values: Vec<(u32, f32)>,
     /// What each corner sees of the parts of the sky; empty where the light is that of one hour alone.
@@ -56,15 +64,35 @@ pub struct Elements {
     pub expected_error: f64,
 }
 
+impl Deref for Elements {
+    type Target = Trees;
+
+    fn deref(&self) -> &Trees {
+        &self.trees
+    }
+}
+
+impl DerefMut for Elements {
+    /// Trees that others have as well are copied first.
+    fn deref_mut(&mut self) -> &mut Trees {
+        Arc::make_mut(&mut self.trees)
+    }
+}
+
 impl Elements {
+    /// Whether both are the very same trees, whatever their light.
+    pub fn are_same_trees(&self, other: &Self) -> bool {
+        Arc::ptr_eq(&self.trees, &other.trees)
+    }
+
     /// The triangles of a mesh, undivided and dark.
     pub(super) fn roots_of(mesh: &PatchMesh, smooth: bool) -> Self {
         let stretches = mesh::stretches(mesh);
         let mut known: HashMap<[u32; 3], u32> = HashMap::new();
-        let mut all = Self::default();
+        let mut all = Trees::default();
         for piece in &mesh.pieces {
             let flat = mesh.regions[piece.region as usize].frame.normal;
-            let mut corner_on = |all: &mut Self, side: Side, k: usize| {
+            let mut corner_on = |all: &mut Trees, side: Side, k: usize| {
                 let corner = piece.corners.start as usize + k;
                 let from = &mesh.corners[corner];
                 let stretch = stretches.get(corner).copied().unwrap_or(0);
@@ -91,7 +119,7 @@ impl Elements {
                 }
             }
         }
-        all
+        Self { trees: Arc::new(all), ..Self::default() }
     }
 
     /// The undivided triangles.
@@ -158,14 +186,7 @@ impl Elements {
 
     /// The same elements without any light.
     pub(super) fn unlit(&self) -> Self {
-        Self {
-            corners: self.corners.clone(),
-            elements: self.elements.clone(),
-            roots: self.roots.clone(),
-            regions: self.regions.clone(),
-            expected_error: self.expected_error,
-            ..Self::default()
-        }
+        Self { trees: Arc::clone(&self.trees), expected_error: self.expected_error, ..Self::default() }
     }
 
     /// How many corners have been given light.
@@ -232,27 +253,26 @@ impl Elements {
     /// Leaves out corners that no element has, and their light.
     pub(super) fn compact(&mut self) {
         let mut used = vec![false; self.corners.len()];
-        for element in &self.elements {
+        for element in &self.trees.elements {
             element.corners.iter().for_each(|&corner| used[corner as usize] = true);
         }
-        let mut kept = Self {
-            roots: std::mem::take(&mut self.roots),
-            regions: std::mem::take(&mut self.regions),
-            ..Self::default()
-        };
+        let mut kept = Self::default();
+        let mut trees =
+            Trees { roots: self.roots.clone(), regions: self.regions.clone(), ..Trees::default() };
         let mut new = vec![0_u32; self.corners.len()];
-        for (index, corner) in self.corners.iter().enumerate() {
+        for (index, corner) in self.trees.corners.iter().enumerate() {
             if used[index] {
-                new[index] = kept.corners.len() as u32;
-                kept.corners.push(*corner);
+                new[index] = trees.corners.len() as u32;
+                trees.corners.push(*corner);
                 kept.push_light(self.light_at(index as u32));
                 kept.parts.push_from(&self.parts, index);
             }
         }
-        kept.elements = std::mem::take(&mut self.elements);
-        for element in &mut kept.elements {
+        trees.elements.clone_from(&self.trees.elements);
+        for element in &mut trees.elements {
             element.corners = element.corners.map(|corner| new[corner as usize]);
         }
+        kept.trees = Arc::new(trees);
         kept.expected_error = self.expected_error;
         *self = kept;
     }

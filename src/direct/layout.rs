@@ -7,7 +7,7 @@
 use super::elements::{Element, Elements, NO_ELEMENT};
 use super::first_views::first_views;
 use super::light::{DirectLight, Scratch, Views};
-use super::refine::{ElementSettings, Found, NARROWED, Refinement, gathered, inset, places};
+use super::refine::{ElementSettings, Found, NARROWED, Refinement, gathered, inset, places, with_scratch};
 use crate::emitters::{Share, Source};
 use crate::mesh::PatchMesh;
 use crate::watch::{Cancelled, Watch};
@@ -132,6 +132,42 @@ impl Layout {
         let of_base = if mean > 0.0 { self.base.expected_error * self.mean / mean } else { 0.0 };
         lit.expected_error = lit.expected_error.hypot(of_base);
         Ok(lit)
+    }
+
+    /// As [`Self::lit`], at once: the sun by a few rays at the corners that lamps and sky have asked for. The trees are
+    /// the same at every hour.
+    ///
+    /// # Errors
+    /// The watch ended it.
+    pub fn glimpsed(
+        &self,
+        mesh: &PatchMesh,
+        light: &DirectLight,
+        watch: &mut Watch<'_>,
+    ) -> Result<Elements, Cancelled> {
+        let mut elements = self.base.unlit();
+        let mut found = self.steady(light);
+        if let Some((basis, sun)) = sun_of(mesh, light) {
+            let places = places(&elements, inset(&sun));
+            let by_sun = watch.map(&places, |corner, place| {
+                let Some((element, point)) = place else { return 0.0 };
+                let element = &elements.elements[*element as usize];
+                if mesh.patches[element.patch as usize].buried {
+                    return 0.0;
+                }
+                let normal = elements.corners[corner].normal;
+                let value = |scratch: &mut Scratch| {
+                    let sources = sun.emitters().sources.iter();
+                    sources.map(|source| sun.by_few_rays(source, (*point, normal), scratch)).sum::<f64>()
+                };
+                with_scratch(value)
+            })?;
+            for (found, value) in found.iter_mut().zip(by_sun).filter(|(_, value)| *value > 0.0) {
+                found.add(basis, value as f32);
+            }
+        }
+        found.iter().for_each(|found| elements.push_light(&found.light));
+        Ok(elements)
     }
 
     /// The light of lamps and sky at the corners.

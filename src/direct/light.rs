@@ -63,6 +63,9 @@ const RAYS_AMONG_MANY: f64 = 100.0;
 /// On small facets fewer, by what part of all light an emitter may give at least.
 const FEW_RAYS: [(f64, f64); 3] = [(0.2, 16.0), (0.05, 8.0), (0.005, 4.0)];
 
+/// Where few rays are enough, so many go to the rim of an emitter.
+const RIM_RAYS: usize = 2;
+
 /// What an emitter costs by itself, in obstacles.
 const EMITTER_WORK: usize = 4;
 
@@ -147,6 +150,45 @@ impl DirectLight {
     /// Whether nothing stands between two points.
     pub(super) fn is_open(&self, from: DVec3, to: DVec3) -> bool {
         !self.obstacles.hides(from, to, 5.0 * self.thickness, |_| true)
+    }
+
+    /// Irradiance of a point with a unit normal by a source for a unit of what it sends, by few rays: to its middle, and
+    /// to its corners where these differ.
+    pub(super) fn by_few_rays(
+        &self,
+        source: &Source,
+        (point, normal): (DVec3, DVec3),
+        scratch: &mut Scratch,
+    ) -> f64 {
+        let Scratch { clipper, outline, relative, .. } = scratch;
+        if source.emitter.outline(point, outline).is_none() {
+            return 0.0;
+        }
+        clipper.start(outline, normal);
+        relative.clear();
+        relative.extend(clipper.fragments().flatten());
+        if relative.is_empty() {
+            return 0.0;
+        }
+        let value: f64 = clipper.fragments().map(|f| source.emitter.irradiance(normal, f)).sum();
+        let middle = relative.iter().sum::<DVec3>() / relative.len() as f64;
+        let is_open = |to: DVec3| {
+            !self.obstacles.hides(point, point + to, 5.0 * self.thickness, |obstacle| {
+                !source.emitter.is_part(obstacle.region)
+            })
+        };
+        let open = u32::from(is_open(middle));
+        if !self.visibility {
+            return value;
+        }
+        // Inside of the rim, where half of a disc is.
+        let step = relative.len().div_ceil(RIM_RAYS).max(1);
+        let rim = || relative.iter().step_by(step).map(|&corner| is_open(middle.lerp(corner, 0.7)));
+        let (mut seen, mut count) = (open, 1_u32);
+        for is_open in rim() {
+            (seen, count) = (seen + u32::from(is_open), count + 1);
+        }
+        value * f64::from(seen) / f64::from(count)
     }
 
     /// The squared irradiance, times its area in m², of the shadows that obstacles may throw on a triangle with a unit

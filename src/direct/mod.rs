@@ -18,7 +18,7 @@ mod shaft;
 mod sky_parts;
 
 pub use clip::Clipper;
-pub use elements::{Element, ElementCorner, Elements, NO_ELEMENT};
+pub use elements::{Element, ElementCorner, Elements, NO_ELEMENT, Trees};
 pub use focus::Focus;
 pub use layout::Layout;
 pub use light::{DirectLight, Scratch, Views};

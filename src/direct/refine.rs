@@ -427,9 +427,9 @@ impl Refinement<'_> {
         ranked.sort_unstable_by(|a, b| b.0.total_cmp(&a.0).then(a.1.cmp(&b.1)));
         let whole: f64 = ranked.iter().map(|entry| entry.0).sum();
         let by_area: f64 = ranked.iter().map(|entry| self.errors[entry.1 as usize]).sum();
-        self.elements.expected_error = by_area.sqrt();
         // Each division adds one; what neighbours need comes on top.
         let added = (elements.len() - self.whole) / 2;
+        self.elements.expected_error = by_area.sqrt();
         let room = self.settings.most.saturating_sub(added) / 3;
         let most = self.settings.error * self.settings.error;
         let is_good =

@@ -19,6 +19,7 @@ mod viewport;
 pub use frame::{ColourSource, FrameInput};
 pub use gpu::{Gpu, GpuError, read_texture};
 pub use pick::{Pick, Picker};
+pub use sky::UploadedSky;
 pub use still::{Still, StillInput, StillOptions, render_still};
 pub use upload::{MeshUploader, UploadError, UploadedMesh};
 pub use viewport::ViewportRenderer;

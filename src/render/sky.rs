@@ -141,7 +141,7 @@ impl SkyPipelines {
 }
 
 /// The daylight of a scene on the graphics card.
-pub(super) struct UploadedSky {
+pub struct UploadedSky {
     panorama: Panorama,
     uniform: wgpu::Buffer,
     bindings: wgpu::BindGroup,

@@ -151,6 +151,11 @@ impl MeshUploader {
         })
     }
 
+    /// Uploads the daylight of another hour.
+    pub fn sky(&self, outdoors: &Outdoors) -> UploadedSky {
+        UploadedSky::new(&self.device, &self.queue, &self.sky, outdoors)
+    }
+
     fn texture_bindings(&self, image: &Texture, largest: u32) -> wgpu::BindGroup {
         let view = textures::upload(&self.device, &self.queue, image, largest);
         self.device.create_bind_group(&wgpu::BindGroupDescriptor {

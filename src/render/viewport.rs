@@ -95,6 +95,13 @@ impl ViewportRenderer {
         self.mesh = Some(mesh);
     }
 
+    /// Draws this sky behind the mesh from now on.
+    pub fn adopt_sky(&mut self, sky: UploadedSky) {
+        if let Some(mesh) = &mut self.mesh {
+            mesh.sky = Some(sky);
+        }
+    }
+
     /// Uploads a mesh with the scene's textures and its daylight, and adopts it. On an error the mesh before it stays.
     ///
     /// # Errors

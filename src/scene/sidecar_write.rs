@@ -420,4 +420,40 @@ mod tests {
             "{message}"
         );
     }
+
+    #[test]
+    fn daylight_is_written_and_read_back_with_its_lamps_and_lamps_after_it_keep_theirs() {
+        let sidecar = "# Berlin.\n[daylight]\nlatitude = 52.52 # north\nlongitude = 13.41\nzone = 2\n\
+            date = \"2026-06-21\"\ntime = \"15:30\"\n[[lamp]]\nname = \"Panel\"\nposition = [0.5, 1.5, 0.5]\n\
+            size = [0.2, 0.2]\nlumens = 800\n";
+        let scene = from_text("t", OBJ, MTL, Some(sidecar)).unwrap();
+        let same = sidecar_text(&scene, &scene.lighting(), &[], Some(sidecar)).unwrap();
+        assert!(same.contains("# Berlin.") && same.contains("# north"), "{same}");
+        assert!(!same.contains("sky_lamp"), "nothing was switched: {same}");
+        // Another hour, a tinted sky, no sun; by night the tint is kept.
+        for time in ["09:15", "23:45"] {
+            let mut choice = scene.outdoors.as_ref().unwrap().choice.clone();
+            (choice.time, choice.north) = (Some(time.to_owned()), Some(30.0));
+            choice.sky_lamp = Some(super::super::OutdoorSwitch { on: true, dimmer: 0.5, factor: [0.5, 1.0, 2.0] });
+            let later = scene.with_daylight(Some(&choice)).unwrap();
+            let mut lighting = later.lighting();
+            let outdoors = later.outdoors.as_ref().unwrap();
+            lighting.lamps[outdoors.sun as usize].on = false;
+            lighting.lamps.last_mut().unwrap().dimmer = 0.25;
+            let text = sidecar_text(&later, &lighting, &[], Some(sidecar)).unwrap();
+            let again = from_text("t", OBJ, MTL, Some(&text)).unwrap_or_else(|e| panic!("{e}\n{text}"));
+            assert_eq!(again.lighting(), lighting, "{text}");
+            let read = again.outdoors.as_ref().unwrap();
+            assert_eq!((read.choice.time.as_deref(), read.choice.north), (Some(time), Some(30.0)));
+            assert_eq!(read.daylight, outdoors.daylight);
+            assert_eq!(sidecar_text(&again, &again.lighting(), &[], Some(&text)).unwrap(), text);
+            // Without a sky there is none in the file.
+            let none = again.with_daylight(None).unwrap();
+            let text = sidecar_text(&none, &none.lighting(), &[], Some(&text)).unwrap();
+            assert!(!text.contains("daylight"), "{text}");
+            let names = |scene: &Scene| scene.luminaires.iter().map(|l| l.name.clone()).collect::<Vec<_>>();
+            let bare = from_text("t", OBJ, MTL, Some(&text)).unwrap_or_else(|e| panic!("{e}\n{text}"));
+            assert_eq!(names(&bare), names(&none));
+        }
+    }
 }

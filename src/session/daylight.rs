@@ -48,7 +48,8 @@ impl Worker<'_> {
                 let shared = Arc::clone(&self.shared);
                 let cancelled = || shared.cancel_direct.load(Ordering::Acquire);
                 let mut nobody = |_| {};
-                let lit = light.at_hour(&prepared, &system, &mut Watch::new(&cancelled, &mut nobody));
+                let mut watch = Watch::new(&cancelled, &mut nobody);
+                let lit = light.at_hour(&prepared, &system, true, &mut watch);
                 Some(Arc::new(lit.map_err(|Cancelled| Failure::Cancelled)?))
             }
             None => None,
@@ -79,9 +80,10 @@ impl Worker<'_> {
         let columns: Vec<usize> =
             (0..system.columns()).filter(|&column| system.is_outdoors(column)).collect();
         let mut done = 0;
-        // First as light leaves patches evenly, then as it does.
+        // First by what was seen at once, then with all edges of shadows and as light leaves patches.
         for is_last in [false, true] {
             if is_last {
+                self.find_shadows(prepared, system)?;
                 self.settle_elements(prepared, system)?;
             }
             let given = self.element_light().map(|elements| &elements.given);
@@ -99,5 +101,18 @@ impl Worker<'_> {
             }
         }
         Ok(done)
+    }
+
+    /// Lays out the direct light of the sun where it was seen by a few rays.
+    fn find_shadows(&mut self, prepared: &Prepared, system: &System) -> Result<(), Failure> {
+        let Some(standing) = self.element_light().cloned() else { return Ok(()) };
+        let lit = self.with_run(|run| run.shadows(prepared, &standing, system))?;
+        // Shown with what patches make of it.
+        let bases = self.state.bases.as_deref().map(|bases| lit.guess(&standing, bases)).map(Arc::new);
+        self.state.bases.clone_from(&bases);
+        if let (Some(solution), Some(bases)) = (self.snapshot.solution_mut(), bases) {
+            (solution.element_light, solution.bases) = (Some(Arc::new(lit)), bases);
+        }
+        Ok(())
     }
 }

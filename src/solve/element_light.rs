@@ -64,6 +64,7 @@ impl ElementLight {
     /// them and for the sky.
     ///
     /// Patches take it over at once; what leaves near patches unevenly of it is known once it is [settled](Self::settled).
+    /// `at_once` the edges of the sun's shadows are not looked for.
     ///
     /// # Errors
     /// The watch ended it.
@@ -71,12 +72,18 @@ impl ElementLight {
         &self,
         prepared: &Prepared,
         system: &System,
+        at_once: bool,
         watch: &mut Watch<'_>,
     ) -> Result<Self, Cancelled> {
         let mesh = &prepared.mesh;
         let light = self.direct.at_hour_of(mesh);
-        let settings = settings(prepared, self.target, None, &light);
-        let elements = self.layout.lit(mesh, &light, &settings, watch)?;
+        let elements = match at_once {
+            true => self.layout.glimpsed(mesh, &light, watch)?,
+            false => {
+                let settings = settings(prepared, self.target, None, &light);
+                self.layout.lit(mesh, &light, &settings, watch)?
+            }
+        };
         let columns = system.columns();
         let means = means(&elements, &self.bases, mesh, (system.lamps, system.bands));
         let mut of_patches = LightBases::clone(&self.of_patches);

@@ -412,6 +412,22 @@ impl<'a> Run<'a> {
         Ok(light)
     }
 
+    /// Direct light of the hour with the edges of the sun's shadows, where it stands [at once](ElementLight::at_hour).
+    ///
+    /// # Errors
+    /// The run was ended.
+    pub fn shadows(
+        &mut self,
+        prepared: &Prepared,
+        light: &ElementLight,
+        system: &System,
+    ) -> Result<ElementLight, PipelineError> {
+        let n = prepared.mesh.patches.len();
+        Ok(self.watched(Stage::Elements, (n, n), ([0.0, BALANCED], 0.0), |watch| {
+            light.at_hour(prepared, system, false, watch)
+        })?)
+    }
+
     /// Direct light on elements, as patches take it over from them once the transport stands.
     ///
     /// # Errors

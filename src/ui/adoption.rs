@@ -7,7 +7,7 @@ use super::camera_control::CameraControl;
 use super::lampless::carry_placed;
 use super::leaving::Work;
 use super::state::{DisplaySettings, Edits, Visit};
-use crate::scene::{Scene, View};
+use crate::scene::{DaylightChoice, Scene, View};
 use std::sync::Arc;
 
 /// What the user has done to a scene whose file has been read again since, without some of the lamps and
@@ -70,6 +70,10 @@ impl App {
                 if is_in_place(&done.scene, &scene) {
                     carry_views(&done.scene, &done.views, &mut self.views);
                 }
+            }
+            carry_daylight(read_before.as_ref().unwrap_or(&before.scene), &before.edits, &scene, &mut self.edits);
+            if self.edits.daylight != Edits::of_scene(&scene, display).daylight {
+                self.send_daylight();
             }
             if any {
                 // Those that the worker has are of the scene as it was read before.
@@ -144,6 +148,26 @@ fn carry_lamps(before: &Scene, edits: &Edits, now: &Scene, new: &mut Edits) {
                 lamp.exitance = state.exitance;
             }
         }
+    }
+}
+
+/// Keeps the daylight that the user has asked for when the file is read again, unless the file has another one now.
+fn carry_daylight(read: &Scene, edits: &Edits, now: &Scene, new: &mut Edits) {
+    let of = |scene: &Scene| scene.outdoors.as_ref().map(|outdoors| outdoors.choice.without_lamps());
+    let wanted = edits.daylight.as_ref().map(DaylightChoice::without_lamps);
+    // Where a sky has come or gone the lamps are others: there the file rules.
+    let is_alike = wanted.is_some() && now.outdoors.is_some() && read.outdoors.is_some();
+    if !is_alike || of(read) != of(now) || wanted == of(read) {
+        return;
+    }
+    if let (Some(choice), Some(Ok(outdoors)), Some(before)) =
+        (&wanted, wanted.as_ref().map(|choice| now.outdoors_for(choice)), &now.outdoors)
+    {
+        let states = new.lighting.lamps.get_mut(before.sky as usize..=before.sun as usize);
+        for (state, initial) in states.into_iter().flatten().zip(outdoors.states()) {
+            state.exitance = initial.exitance;
+        }
+        new.daylight = Some(choice.clone());
     }
 }
 

@@ -29,7 +29,7 @@ impl Drawn {
     pub(super) fn is(&self, other: &Self) -> bool {
         self.mesh_serial == other.mesh_serial
             && match (&self.elements, &other.elements) {
-                (Some(one), Some(another)) => Arc::ptr_eq(one, another),
+                (Some(one), Some(another)) => one.are_same_trees(another),
                 (one, another) => one.is_none() && another.is_none(),
             }
     }

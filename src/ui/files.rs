@@ -164,7 +164,7 @@ impl Files {
         self.spawn("repair", move || repaired(path, &scene));
     }
 
-    /// Writes lamps, repainted materials and bookmarks to the sidecar of the scene in `path`.
+    /// Writes lamps, daylight, repainted materials and bookmarks to the sidecar of the scene in `path`.
     pub(super) fn save_sidecar(
         &self,
         path: &Path,
@@ -175,7 +175,11 @@ impl Files {
         let sidecar = sidecar_path(path);
         self.spawn("save sidecar", move || {
             // Lamps that were added may not have come to the screen yet.
-            let mut scene = scene.with_placed(edits.placed);
+            let scene = scene.with_placed(edits.placed);
+            let mut scene = match scene.with_daylight(edits.daylight.as_ref()) {
+                Ok(scene) => scene,
+                Err(error) => return FileNews::SaveFailed(error.to_string()),
+            };
             (scene.views, scene.start_view) = (views, start_view);
             let mut repainted = Vec::new();
             for (index, value) in edits.reflectance.iter().enumerate() {

@@ -3,7 +3,7 @@
 use super::app::App;
 use super::state::Edits;
 use super::theme;
-use crate::scene::{LampState, Scene, SceneSource, View, sidecar_path};
+use crate::scene::{DaylightChoice, LampState, OutdoorSwitch, Scene, SceneSource, View, sidecar_path};
 use egui::{Button, Id, Key, Modal, RichText};
 use std::path::Path;
 
@@ -14,6 +14,8 @@ const SAME: f64 = 1e-3;
 #[derive(Clone, Debug, Default)]
 pub(super) struct Work {
     lamps: Vec<LampState>,
+    /// The sky over the model, its lamps left out.
+    daylight: Option<DaylightChoice>,
     /// Of each material, as edited or as the file has it.
     reflectance: Vec<[f64; 3]>,
     views: Vec<View>,
@@ -31,7 +33,8 @@ impl Work {
         let edited = |k: usize| edits.reflectance.get(k).copied().flatten();
         let materials = scene.own_materials().iter().enumerate();
         Self {
-            lamps: edits.lighting.lamps.clone(),
+            lamps: plain_lamps(scene, edits),
+            daylight: edits.daylight.as_ref().map(DaylightChoice::without_lamps),
             reflectance: materials.map(|(k, material)| edited(k).unwrap_or(material.reflectance)).collect(),
             views: views.to_vec(),
             start_view,
@@ -44,14 +47,33 @@ impl Work {
         let materials = changed(&self.reflectance, &saved.reflectance, |a, b| are_same(a, b));
         let views = changed(&self.views, &saved.views, is_same_view)
             .max(usize::from(self.start_view != saved.start_view));
+        let daylight = usize::from(self.daylight != saved.daylight);
         let counted = [(lamps, "lamp"), (materials, "material"), (views, "bookmark")];
         let told: Vec<String> = counted
             .into_iter()
             .filter(|(count, _)| *count > 0)
             .map(|(count, word)| format!("{count} {word}{}", if count == 1 { "" } else { "s" }))
+            .chain((daylight > 0).then(|| "daylight".to_owned()))
             .collect();
         (!told.is_empty()).then(|| told.join(", "))
     }
+}
+
+/// The lamps as they stand, with sky and sun for a unit of what they are at the hour: another hour switches no lamp.
+fn plain_lamps(scene: &Scene, edits: &Edits) -> Vec<LampState> {
+    let mut lamps = edits.lighting.lamps.clone();
+    let Some(choice) = &edits.daylight else { return lamps };
+    if let Ok(outdoors) = scene.outdoors_for(&choice.without_lamps())
+        && let Some(states) = lamps.get_mut(outdoors.sky as usize..=outdoors.sun as usize)
+    {
+        let hour = [outdoors.sky_exitance(), outdoors.sun_exitance()];
+        for ((state, exitance), known) in
+            states.iter_mut().zip(hour).zip([choice.sky_lamp, choice.sun_lamp])
+        {
+            *state = OutdoorSwitch::of(state, exitance, known).state(1.0);
+        }
+    }
+    lamps
 }
 
 /// How many of two lists differ, those that only one of them has included.

@@ -4,6 +4,7 @@
 use super::picture::{Prepared, shading_of};
 use super::state::ShadingMode;
 use crate::outputs::in_detail;
+use crate::render::{MeshUploader, UploadedSky};
 use crate::scene::Lighting;
 use crate::solve::ElementLight;
 use crate::solver::{LightBases, PatchLight, Power};
@@ -15,6 +16,8 @@ use std::time::Instant;
 #[derive(Clone)]
 pub(super) struct Source {
     pub(super) prepared: Arc<Prepared>,
+    /// Where the sky is another one than on screen, what brings it to the graphics card.
+    pub(super) uploader: Option<MeshUploader>,
     pub(super) bases: Arc<LightBases>,
     pub(super) element_light: Option<Arc<ElementLight>>,
     pub(super) reflectance: Arc<Vec<[f32; 3]>>,
@@ -30,13 +33,15 @@ pub(super) struct Lit {
     pub(super) power: Power,
     /// Its radiosities at the corners that are drawn.
     pub(super) corners: Vec<[f32; 3]>,
+    /// The sky that it is of, where that was asked for.
+    pub(super) sky: Option<UploadedSky>,
     /// How long this took.
     pub(super) seconds: f64,
 }
 
 impl Lit {
     fn new(source: Source) -> Self {
-        let Source { prepared, bases, element_light, reflectance, lighting, shading } = &source;
+        let Source { prepared, uploader, bases, element_light, reflectance, lighting, shading } = &source;
         let clock = Instant::now();
         let light = bases.mix(&prepared.mesh, lighting, reflectance);
         let light = match element_light {
@@ -48,8 +53,10 @@ impl Lit {
         let detail = light.detail.as_deref().map(in_detail);
         let corners =
             prepared.display.detailed_radiosity(&light.radiosity, &light.irradiance, detail, shading);
+        let sky = uploader.as_ref().zip(prepared.scene.outdoors.as_ref());
+        let sky = sky.map(|(uploader, outdoors)| uploader.sky(outdoors));
         let seconds = clock.elapsed().as_secs_f64();
-        Self { light, power, corners, seconds, source }
+        Self { light, power, corners, sky, seconds, source }
     }
 }
 

@@ -21,7 +21,7 @@ use crate::geometry::Aabb;
 use crate::mesh::{Patch, PatchMesh, Side};
 use crate::navigation::Obstacles;
 use crate::outputs::in_detail;
-use crate::render::{MeshUploader, Picker, UploadError, UploadedMesh};
+use crate::render::{MeshUploader, Picker, UploadError, UploadedMesh, UploadedSky};
 use crate::scene::{Lighting, Scene, luminance_weighted};
 use crate::session::Snapshot;
 use crate::solve::ElementLight;
@@ -31,16 +31,17 @@ use std::sync::Arc;
 use std::sync::mpsc::{Receiver, TryRecvError, channel};
 
 /// A mesh with everything that drawing, picking and walking need of it.
+#[derive(Clone)]
 pub(super) struct Prepared {
     /// Of the snapshot that it was made from.
     pub(super) mesh_serial: u64,
     pub(super) scene: Arc<Scene>,
     pub(super) mesh: Arc<PatchMesh>,
-    pub(super) display: DisplayMesh,
-    pub(super) picker: Picker,
-    pub(super) obstacles: Obstacles,
+    pub(super) display: Arc<DisplayMesh>,
+    pub(super) picker: Arc<Picker>,
+    pub(super) obstacles: Arc<Obstacles>,
     /// Longest extent squared over area, a patch each.
-    pub(super) aspect: Vec<f32>,
+    pub(super) aspect: Arc<[f32]>,
     /// Around the part that is looked at.
     pub(super) bounds: Aabb,
     /// Luminous flux of each lamp at full output as it comes with the file, lm.
@@ -54,18 +55,34 @@ impl Prepared {
         mesh: Arc<PatchMesh>,
         smooth: bool,
         elements: Option<&Arc<Elements>>,
+        before: Option<&Arc<Self>>,
     ) -> Self {
+        let display = Arc::new(DisplayMesh::build_on(&mesh, &scene, smooth, elements));
+        // Elements and the sky come and go; the mesh below them is looked at once.
+        if let Some(before) = before.filter(|before| before.mesh_serial == mesh_serial) {
+            return Self { display, scene, mesh, ..Self::clone(before) };
+        }
         let extent = scene.extent();
         Self {
             mesh_serial,
-            display: DisplayMesh::build_on(&mesh, &scene, smooth, elements),
-            picker: Picker::new(&mesh),
-            obstacles: Obstacles::of_mesh(&mesh, scene.up.vector(), &extent),
+            display,
+            picker: Arc::new(Picker::new(&mesh)),
+            obstacles: Arc::new(Obstacles::of_mesh(&mesh, scene.up.vector(), &extent)),
             aspect: mesh.patches.iter().map(|p| aspect(&mesh, p)).collect(),
             full_lumens: crate::scene::lumens(&scene).into_iter().map(|[full, _]| full).collect(),
             bounds: extent.main,
             scene,
             mesh,
+        }
+    }
+
+    /// The same under the sky that a snapshot of its mesh has, which may be another one.
+    fn under_sky_of(prepared: &Arc<Self>, snapshot: &Snapshot) -> Arc<Self> {
+        match (snapshot.scene(), snapshot.mesh()) {
+            (Some(scene), Some(mesh)) if !Arc::ptr_eq(scene, &prepared.scene) => {
+                Arc::new(Self { scene: Arc::clone(scene), mesh: Arc::clone(mesh), ..Self::clone(prepared) })
+            }
+            _ => Arc::clone(prepared),
         }
     }
 }
@@ -103,10 +120,10 @@ impl Built {
         scene: Arc<Scene>,
         mesh: Arc<PatchMesh>,
         smooth: bool,
-        elements: Option<&Arc<Elements>>,
+        (elements, before): (Option<&Arc<Elements>>, Option<&Arc<Prepared>>),
         uploader: Option<&MeshUploader>,
     ) -> Self {
-        let prepared = Arc::new(Prepared::build(serial, scene, mesh, smooth, elements));
+        let prepared = Arc::new(Prepared::build(serial, scene, mesh, smooth, elements, before));
         let Prepared { display, scene, .. } = &*prepared;
         let uploaded = uploader.map(|u| u.upload(display, &scene.textures, scene.outdoors.as_ref()));
         Self { prepared, uploaded }
@@ -133,6 +150,8 @@ pub(super) struct Picture {
     uploader: Option<MeshUploader>,
     /// The mesh that came to the screen last, on its way to the renderer.
     pub(super) uploaded: Option<Result<UploadedMesh, UploadError>>,
+    /// The sky of another hour, on its way there.
+    pub(super) uploaded_sky: Option<UploadedSky>,
     maker: LightMaker,
     pub(super) bases: Option<Arc<LightBases>>,
     element_light: Option<Arc<ElementLight>>,
@@ -208,8 +227,13 @@ impl Picture {
         };
         match snapshot.bases().zip(snapshot.reflectance()) {
             Some((bases, reflectance)) if arriving.is_some() || !self.is_lit_by(bases, reflectance) => {
+                let prepared = Prepared::under_sky_of(prepared, snapshot);
+                let is_other_sky =
+                    self.prepared.as_ref().is_none_or(|own| !Arc::ptr_eq(&own.scene, &prepared.scene));
+                let uploader = self.uploader.clone().filter(|_| is_other_sky);
                 let source = || Source {
-                    prepared: Arc::clone(prepared),
+                    prepared: Arc::clone(&prepared),
+                    uploader,
                     bases: Arc::clone(bases),
                     element_light: snapshot.element_light().cloned(),
                     reflectance: Arc::clone(reflectance),
@@ -228,12 +252,14 @@ impl Picture {
 
     /// Whether this is the mesh that waits for its light.
     fn is_arriving(&self, prepared: &Arc<Prepared>) -> bool {
-        self.arriving.as_ref().is_some_and(|built| Arc::ptr_eq(&built.prepared, prepared))
+        self.arriving.as_ref().is_some_and(|built| Arc::ptr_eq(&built.prepared.display, &prepared.display))
     }
 
     /// Whether this is the mesh on screen, and still the newest.
     fn is_present(&self, prepared: &Arc<Prepared>, serial: u64) -> bool {
-        self.prepared.as_ref().is_some_and(|own| Arc::ptr_eq(own, prepared) && own.mesh_serial == serial)
+        let is =
+            |own: &Arc<Prepared>| Arc::ptr_eq(&own.display, &prepared.display) && own.mesh_serial == serial;
+        self.prepared.as_ref().is_some_and(is)
     }
 
     fn is_lit_by(&self, bases: &Arc<LightBases>, reflectance: &Arc<Vec<[f32; 3]>>) -> bool {
@@ -255,7 +281,12 @@ impl Picture {
     }
 
     fn take_light(&mut self, lit: Lit, reclaim: &Reclaim) {
-        let Source { bases, element_light, reflectance, lighting, shading, .. } = lit.source;
+        let Source { prepared, bases, element_light, reflectance, lighting, shading, .. } = lit.source;
+        // Of the same mesh, under the sky that this light is of.
+        reclaim.later(self.prepared.replace(prepared));
+        if lit.sky.is_some() {
+            self.uploaded_sky = lit.sky;
+        }
         reclaim.later(self.bases.replace(bases));
         self.element_light = element_light;
         (self.reflectance, self.lighting) = (reflectance, lighting);
@@ -277,11 +308,12 @@ impl Picture {
         }
         let (scene, mesh) = (Arc::clone(scene), Arc::clone(mesh));
         let smooth = snapshot.plan().is_none_or(|plan| plan.is_on(Effect::SmoothSurfaces));
-        let uploader = self.uploader.clone();
+        let (uploader, before) = (self.uploader.clone(), self.prepared.clone());
         let (sender, receiver) = channel();
         let build = move || {
             // Nobody listens any more when the window has closed.
-            sender.send(Built::new(serial, scene, mesh, smooth, elements.as_ref(), uploader.as_ref())).ok();
+            let parts = (elements.as_ref(), before.as_ref());
+            sender.send(Built::new(serial, scene, mesh, smooth, parts, uploader.as_ref())).ok();
             wake();
         };
         if std::thread::Builder::new().name("mesh for display".to_owned()).spawn(build).is_ok() {
@@ -359,7 +391,7 @@ impl Picture {
             Quantity::Sides => {
                 patches.iter().map(|p| if p.side == Side::Front { -1.0 } else { 1.0 }).collect()
             }
-            Quantity::Aspect => prepared.aspect.clone(),
+            Quantity::Aspect => prepared.aspect.to_vec(),
             Quantity::Area => patches.iter().map(|p| p.area as f32).collect(),
             // What is no number, and what the microscope sees.
             _ => Vec::new(),

@@ -91,7 +91,7 @@ impl App {
             if zoom != 1.0 {
                 camera.set_fov(pose.fov_y_deg / zoom);
             } else if scroll != 0.0 {
-                let obstacles = self.picture.prepared.as_ref().map(|p| &p.obstacles);
+                let obstacles = self.picture.prepared.as_ref().map(|p| &*p.obstacles);
                 camera.nudge(scroll / 50.0, obstacles);
             }
         }
@@ -115,7 +115,7 @@ impl App {
             return;
         }
         let Some(camera) = &mut self.camera else { return };
-        let obstacles = self.picture.prepared.as_ref().map(|p| &p.obstacles);
+        let obstacles = self.picture.prepared.as_ref().map(|p| &*p.obstacles);
         camera.advance(&wish, obstacles, dt);
         if camera.is_moving() || wish != Wish::default() && wish != (Wish { run: true, ..Wish::default() }) {
             ui.ctx().request_repaint();
@@ -163,6 +163,9 @@ impl App {
                 _ => {}
             }
             self.stale.light = true;
+        }
+        if let (Some(sky), Some(viewport)) = (self.picture.uploaded_sky.take(), &self.viewport) {
+            viewport.upload(|renderer, _, _| renderer.adopt_sky(sky));
         }
         if !std::mem::take(&mut self.stale.light) {
             return;

@@ -64,7 +64,9 @@ const SKIES: [(&str, &str); 20] = [
     ("16", "CIE 16: traditional overcast"),
 ];
 
-const LABEL: f32 = 58.0;
+/// Width of the names at the left and height of a row, points.
+const LABEL: f32 = 50.0;
+const HEIGHT: f32 = 20.0;
 
 /// Shows the sky over the scene.
 pub(in crate::ui) fn show(ui: &mut Ui, model: &Model<'_>, out: &mut Commands) {
@@ -116,8 +118,14 @@ pub(in crate::ui) fn show(ui: &mut Ui, model: &Model<'_>, out: &mut Commands) {
 /// A row with its name at the left.
 fn row(ui: &mut Ui, name: &str, contents: impl FnOnce(&mut Ui, egui::Id)) {
     ui.horizontal(|ui| {
-        let label = ui.add_sized([LABEL, 18.0], egui::Label::new(name).halign(egui::Align::LEFT));
-        contents(ui, label.id);
+        ui.spacing_mut().item_spacing.x = 6.0;
+        let size = egui::vec2(LABEL, HEIGHT);
+        let layout = egui::Layout::left_to_right(egui::Align::Center);
+        let label = ui.allocate_ui_with_layout(size, layout, |ui| {
+            ui.set_min_size(size);
+            ui.label(name).id
+        });
+        contents(ui, label.inner);
     });
 }
 
@@ -126,7 +134,7 @@ fn hour(ui: &mut Ui, model: &Model<'_>, day: &Day, choice: &mut DaylightChoice, 
     let mut hours = before;
     row(ui, "Time", |ui, label| {
         let [from, to] = day.range();
-        ui.spacing_mut().slider_width = 96.0;
+        ui.spacing_mut().slider_width = 86.0;
         let slider = Slider::new(&mut hours, from..=to).step_by(1.0 / 60.0).show_value(false);
         ui.add(slider).labelled_by(label).on_hover_text("From dawn to dusk");
         let field = DragValue::new(&mut hours)
@@ -134,12 +142,12 @@ fn hour(ui: &mut Ui, model: &Model<'_>, day: &Day, choice: &mut DaylightChoice, 
             .speed(1.0 / 60.0)
             .custom_formatter(|hours, _| clock(hours))
             .custom_parser(parsed);
-        ui.add_sized([44.0, 18.0], field).on_hover_text("Any hour, by the clocks of the place");
+        ui.add_sized([44.0, HEIGHT], field).on_hover_text("Any hour, by the clocks of the place");
         let (text, tip) = match model.is_day_playing {
             true => ("Stop", "Stay at this hour"),
             false => ("Play", "A day in ten seconds, over and over"),
         };
-        if ui.add_sized([38.0, 18.0], Button::new(text)).on_hover_text(tip).clicked() {
+        if ui.add_sized([38.0, HEIGHT], Button::new(text)).on_hover_text(tip).clicked() {
             out.push(Command::ToggleDay);
         }
     });
@@ -180,7 +188,7 @@ fn date(ui: &mut Ui, choice: &mut DaylightChoice) {
     let (mut year, mut month, mut day) = (now.year(), now.month(), now.day());
     row(ui, "Date", |ui, _| {
         let field = DragValue::new(&mut day).range(1..=31).speed(0.1);
-        ui.add_sized([30.0, 18.0], field).accessible_name("Day");
+        ui.add_sized([30.0, HEIGHT], field).accessible_name("Day");
         let chosen = MONTHS[(month as usize - 1).min(11)];
         let months = ComboBox::from_id_salt("month").width(92.0).selected_text(chosen);
         months.show_ui(ui, |ui| {
@@ -192,7 +200,7 @@ fn date(ui: &mut Ui, choice: &mut DaylightChoice) {
             .range(1600..=2999)
             .speed(0.1)
             .custom_formatter(|y, _| format!("{y:.0}"));
-        ui.add_sized([46.0, 18.0], field).accessible_name("Year");
+        ui.add_sized([46.0, HEIGHT], field).accessible_name("Year");
     });
     // The last day of a month that is shorter.
     let last = (28..=31).rev().find(|&last| Date::new(year, month, last).is_ok()).unwrap_or(28);
@@ -206,11 +214,11 @@ fn sun_by_hand(ui: &mut Ui, choice: &mut DaylightChoice) {
     let Some([elevation, azimuth]) = &mut choice.sun else { return };
     row(ui, "Sun", |ui, _| {
         let field = DragValue::new(elevation).range(-90.0..=90.0).speed(0.2).fixed_decimals(1).suffix("°");
-        ui.add_sized([62.0, 18.0], field)
+        ui.add_sized([62.0, HEIGHT], field)
             .on_hover_text("Elevation above the horizon")
             .accessible_name("Elevation of the sun");
         let field = DragValue::new(azimuth).range(0.0..=360.0).speed(0.5).fixed_decimals(1).suffix("°");
-        ui.add_sized([62.0, 18.0], field)
+        ui.add_sized([62.0, HEIGHT], field)
             .on_hover_text("Azimuth from north, clockwise: east 90, south 180")
             .accessible_name("Azimuth of the sun");
     });
@@ -236,7 +244,7 @@ fn sky(ui: &mut Ui, choice: &mut DaylightChoice) {
     let mut chosen = word.clone();
     row(ui, "Sky", |ui, _| {
         let shown = known.map_or(word.as_str(), |sky| sky.1);
-        let skies = ComboBox::from_id_salt("sky").width(186.0).truncate().selected_text(shown);
+        let skies = ComboBox::from_id_salt("sky").width(182.0).truncate().selected_text(shown);
         skies.height(420.0).show_ui(ui, |ui| {
             for (word, name) in SKIES {
                 ui.selectable_value(&mut chosen, word.to_owned(), name);
@@ -257,7 +265,7 @@ fn place(ui: &mut Ui, choice: &mut DaylightChoice) {
     let mut chosen = city.map(|city| city.0);
     row(ui, "Place", |ui, _| {
         let shown = chosen.unwrap_or("Elsewhere");
-        ComboBox::from_id_salt("place").width(186.0).selected_text(shown).show_ui(ui, |ui| {
+        ComboBox::from_id_salt("place").width(182.0).selected_text(shown).show_ui(ui, |ui| {
             for city in CITIES {
                 ui.selectable_value(&mut chosen, Some(city.0), city.0);
             }
@@ -284,13 +292,13 @@ fn place(ui: &mut Ui, choice: &mut DaylightChoice) {
             .speed(0.05)
             .custom_formatter(|x, _| format!("{:.2}° {}", x.abs(), if x < 0.0 { "S" } else { "N" }))
             .custom_parser(|text| degrees(text, 'S'));
-        ui.add_sized([66.0, 18.0], field).on_hover_text("Latitude").accessible_name("Latitude");
+        ui.add_sized([62.0, HEIGHT], field).on_hover_text("Latitude").accessible_name("Latitude");
         let field = DragValue::new(longitude)
             .range(-180.0..=180.0)
             .speed(0.05)
             .custom_formatter(|x, _| format!("{:.2}° {}", x.abs(), if x < 0.0 { "W" } else { "E" }))
             .custom_parser(|text| degrees(text, 'W'));
-        ui.add_sized([66.0, 18.0], field).on_hover_text("Longitude").accessible_name("Longitude");
+        ui.add_sized([62.0, HEIGHT], field).on_hover_text("Longitude").accessible_name("Longitude");
         let field = DragValue::new(zone)
             .range(-12.0..=14.0)
             .speed(0.02)
@@ -298,7 +306,7 @@ fn place(ui: &mut Ui, choice: &mut DaylightChoice) {
             .custom_parser(|text| {
                 text.trim().trim_start_matches("UTC").replace('−', "-").trim_start_matches('+').parse().ok()
             });
-        ui.add_sized([52.0, 18.0], field)
+        ui.add_sized([50.0, HEIGHT], field)
             .on_hover_text("Hours by which its clocks are ahead of UTC, summer time included")
             .accessible_name("Time zone");
     });
@@ -319,7 +327,7 @@ fn surroundings(ui: &mut Ui, choice: &mut DaylightChoice) {
         let before = choice.north.unwrap_or(0.0);
         let mut north = before;
         let field = DragValue::new(&mut north).range(-360.0..=360.0).speed(0.5).max_decimals(1).suffix("°");
-        ui.add_sized([56.0, 18.0], field)
+        ui.add_sized([56.0, HEIGHT], field)
             .on_hover_text(
                 "By which the model's north is turned, clockwise from above, from -z (y up) or +y (z up)",
             )
@@ -331,7 +339,7 @@ fn surroundings(ui: &mut Ui, choice: &mut DaylightChoice) {
         let before = 100.0 * choice.ground.unwrap_or(crate::daylight::USUAL_GROUND);
         let mut ground = before;
         let field = DragValue::new(&mut ground).range(0.0..=100.0).speed(0.2).max_decimals(0).suffix(" %");
-        ui.add_sized([52.0, 18.0], field)
+        ui.add_sized([52.0, HEIGHT], field)
             .on_hover_text("Reflectance of the ground beyond the model")
             .accessible_name("Reflectance of the ground");
         if ground != before {
@@ -361,7 +369,7 @@ fn told(ui: &mut Ui, day: &Day) {
     }
     let [sky, direct] = [daylight.sky().horizontal(), daylight.direct_horizontal()].map(units::light);
     let note = match day.phase() {
-        Phase::Day => format!("{sky} lx from the sky, {direct} lx from the sun"),
+        Phase::Day => format!("sky {sky} lx, sun {direct} lx"),
         Phase::Twilight => "Twilight: the sky alone".to_owned(),
         Phase::Night => "Night: the sky is dark, lamps go on as they are".to_owned(),
     };
