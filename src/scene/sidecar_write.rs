@@ -434,7 +434,8 @@ mod tests {
         for time in ["09:15", "23:45"] {
             let mut choice = scene.outdoors.as_ref().unwrap().choice.clone();
             (choice.time, choice.north) = (Some(time.to_owned()), Some(30.0));
-            choice.sky_lamp = Some(super::super::OutdoorSwitch { on: true, dimmer: 0.5, factor: [0.5, 1.0, 2.0] });
+            choice.sky_lamp =
+                Some(super::super::OutdoorSwitch { on: true, dimmer: 0.5, factor: [0.5, 1.0, 2.0] });
             let later = scene.with_daylight(Some(&choice)).unwrap();
             let mut lighting = later.lighting();
             let outdoors = later.outdoors.as_ref().unwrap();

@@ -1,6 +1,7 @@
 //! One solve from a scene to its light, step by step, and what it takes.
 
 mod arriving;
+mod direct;
 mod effect_costs;
 mod element_light;
 mod error;

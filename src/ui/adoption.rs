@@ -71,7 +71,12 @@ impl App {
                     carry_views(&done.scene, &done.views, &mut self.views);
                 }
             }
-            carry_daylight(read_before.as_ref().unwrap_or(&before.scene), &before.edits, &scene, &mut self.edits);
+            carry_daylight(
+                read_before.as_ref().unwrap_or(&before.scene),
+                &before.edits,
+                &scene,
+                &mut self.edits,
+            );
             if self.edits.daylight != Edits::of_scene(&scene, display).daylight {
                 self.send_daylight();
             }

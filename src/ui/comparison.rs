@@ -2,7 +2,8 @@
 
 use super::app::App;
 use super::overlay::Notice;
-use super::picture::{Picture, Prepared};
+use super::picture::Picture;
+use super::prepared::Prepared;
 use super::reclaim::Reclaim;
 use super::state::{DisplaySettings, Edits, Quantity};
 use super::theme;

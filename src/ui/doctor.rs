@@ -7,7 +7,7 @@ use super::banners::Banner;
 use super::command::Command;
 use super::panels::Model;
 use super::panels::menu::frame_name;
-use super::picture::Prepared;
+use super::prepared::Prepared;
 use crate::geometry::{Aabb, Ray, polygon};
 use crate::mesh;
 use crate::scene::{self, Examination, Finding, FindingKind, Scene, Severity, View};

@@ -1,6 +1,6 @@
 //! Which triangles a picture is drawn by: light at their corners fits these and no others.
 
-use super::picture::Prepared;
+use super::prepared::Prepared;
 use crate::direct::Elements;
 use crate::session::Snapshot;
 use std::sync::Arc;

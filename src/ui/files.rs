@@ -2,7 +2,7 @@
 //! on a thread of its own and reports by a channel.
 
 use super::command::SaveKind;
-use super::picture::Prepared;
+use super::prepared::Prepared;
 use super::state::Edits;
 use crate::display::{Exposure, Shading, SkyView, ToneMap};
 use crate::export::{ExportError, write_png};

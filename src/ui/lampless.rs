@@ -7,7 +7,7 @@ use super::banners::Banner;
 use super::command::{Command, EditKey};
 use super::overlay::Notice;
 use super::panels::Model;
-use super::picture::Prepared;
+use super::prepared::Prepared;
 use super::state::Edits;
 use crate::display::{even_light, openness};
 use crate::scene::{PlacedLamp, Scene, ceiling_lamps};

@@ -67,8 +67,7 @@ fn plain_lamps(scene: &Scene, edits: &Edits) -> Vec<LampState> {
         && let Some(states) = lamps.get_mut(outdoors.sky as usize..=outdoors.sun as usize)
     {
         let hour = [outdoors.sky_exitance(), outdoors.sun_exitance()];
-        for ((state, exitance), known) in
-            states.iter_mut().zip(hour).zip([choice.sky_lamp, choice.sun_lamp])
+        for ((state, exitance), known) in states.iter_mut().zip(hour).zip([choice.sky_lamp, choice.sun_lamp])
         {
             *state = OutdoorSwitch::of(state, exitance, known).state(1.0);
         }

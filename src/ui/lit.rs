@@ -1,7 +1,8 @@
 //! What the solver has found, made ready for the screen on a helper thread: summing light bases and
 //! spreading it to the corners would take the window's own thread milliseconds, many times a solve.
 
-use super::picture::{Prepared, shading_of};
+use super::picture::shading_of;
+use super::prepared::Prepared;
 use super::state::ShadingMode;
 use crate::outputs::in_detail;
 use crate::render::{MeshUploader, UploadedSky};

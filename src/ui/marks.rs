@@ -1,7 +1,7 @@
 //! The places of a finding drawn over the picture: where something hides them, thinner.
 
 use super::doctor::{Spot, spot, spots};
-use super::picture::Prepared;
+use super::prepared::Prepared;
 use super::theme;
 use crate::geometry::{Frame, Ray, polygon};
 use crate::navigation::Camera;

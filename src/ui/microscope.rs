@@ -2,7 +2,7 @@
 //! has of sampling and solver errors. Computed on helper threads.
 
 use super::background::Background;
-use super::picture::Prepared;
+use super::prepared::Prepared;
 use super::state::Quantity;
 use crate::display::{NO_VALUE, luminance};
 use crate::form_factors::{ItemBuffer, RowComputer};

@@ -37,6 +37,7 @@ mod overlay;
 mod panels;
 mod path_dialog;
 mod picture;
+mod prepared;
 mod reaching;
 mod reclaim;
 mod recovery;

@@ -1,6 +1,6 @@
 //! The border of the patch looked into, drawn over the picture: where something hides it, thinner.
 
-use super::picture::Prepared;
+use super::prepared::Prepared;
 use super::theme;
 use crate::geometry::Ray;
 use crate::navigation::Camera;

@@ -9,19 +9,17 @@ use super::drawn::Drawn;
 use super::exposure::Metered;
 use super::lit::{LightMaker, Lit, Source};
 use super::panels::solver::is_running;
+use super::prepared::Prepared;
 use super::reclaim::Reclaim;
 use super::state::{DisplaySettings, Quantity, ShadingMode};
 use crate::direct::Elements;
 use crate::display::{
-    ColourMap, DisplayMesh, FalseColour, Shading, luminance, patch_illuminance, patch_luminance,
-    usual_lighting,
+    ColourMap, FalseColour, Shading, luminance, patch_illuminance, patch_luminance, usual_lighting,
 };
 use crate::effects::Effect;
-use crate::geometry::Aabb;
-use crate::mesh::{Patch, PatchMesh, Side};
-use crate::navigation::Obstacles;
+use crate::mesh::{PatchMesh, Side};
 use crate::outputs::in_detail;
-use crate::render::{MeshUploader, Picker, UploadError, UploadedMesh, UploadedSky};
+use crate::render::{MeshUploader, UploadError, UploadedMesh, UploadedSky};
 use crate::scene::{Lighting, Scene, luminance_weighted};
 use crate::session::Snapshot;
 use crate::solve::ElementLight;
@@ -29,79 +27,6 @@ use crate::solver::{LightBases, PatchLight, Power};
 use std::borrow::Cow;
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, TryRecvError, channel};
-
-/// A mesh with everything that drawing, picking and walking need of it.
-#[derive(Clone)]
-pub(super) struct Prepared {
-    /// Of the snapshot that it was made from.
-    pub(super) mesh_serial: u64,
-    pub(super) scene: Arc<Scene>,
-    pub(super) mesh: Arc<PatchMesh>,
-    pub(super) display: Arc<DisplayMesh>,
-    pub(super) picker: Arc<Picker>,
-    pub(super) obstacles: Arc<Obstacles>,
-    /// Longest extent squared over area, a patch each.
-    pub(super) aspect: Arc<[f32]>,
-    /// Around the part that is looked at.
-    pub(super) bounds: Aabb,
-    /// Luminous flux of each lamp at full output as it comes with the file, lm.
-    pub(super) full_lumens: Vec<f64>,
-}
-
-impl Prepared {
-    fn build(
-        mesh_serial: u64,
-        scene: Arc<Scene>,
-        mesh: Arc<PatchMesh>,
-        smooth: bool,
-        elements: Option<&Arc<Elements>>,
-        before: Option<&Arc<Self>>,
-    ) -> Self {
-        let display = Arc::new(DisplayMesh::build_on(&mesh, &scene, smooth, elements));
-        // Elements and the sky come and go; the mesh below them is looked at once.
-        if let Some(before) = before.filter(|before| before.mesh_serial == mesh_serial) {
-            return Self { display, scene, mesh, ..Self::clone(before) };
-        }
-        let extent = scene.extent();
-        Self {
-            mesh_serial,
-            display,
-            picker: Arc::new(Picker::new(&mesh)),
-            obstacles: Arc::new(Obstacles::of_mesh(&mesh, scene.up.vector(), &extent)),
-            aspect: mesh.patches.iter().map(|p| aspect(&mesh, p)).collect(),
-            full_lumens: crate::scene::lumens(&scene).into_iter().map(|[full, _]| full).collect(),
-            bounds: extent.main,
-            scene,
-            mesh,
-        }
-    }
-
-    /// The same under the sky that a snapshot of its mesh has, which may be another one.
-    fn under_sky_of(prepared: &Arc<Self>, snapshot: &Snapshot) -> Arc<Self> {
-        match (snapshot.scene(), snapshot.mesh()) {
-            (Some(scene), Some(mesh)) if !Arc::ptr_eq(scene, &prepared.scene) => {
-                Arc::new(Self { scene: Arc::clone(scene), mesh: Arc::clone(mesh), ..Self::clone(prepared) })
-            }
-            _ => Arc::clone(prepared),
-        }
-    }
-}
-
-/// (Longest extent)² over area: one for a square counted along its sides, about 1 for a disc; one for a cluster, which
-/// has no outline.
-fn aspect(mesh: &PatchMesh, patch: &Patch) -> f32 {
-    if patch.is_cluster {
-        return 1.0;
-    }
-    let frame = mesh.regions[patch.region as usize].frame;
-    let corners = mesh
-        .pieces_of(patch)
-        .flat_map(|piece| mesh.corners_of(piece))
-        .map(|c| frame.local(mesh.vertices[c.vertex as usize]));
-    let size = Aabb::around(corners).size();
-    let longest = size.x.max(size.y);
-    if patch.area > 0.0 { (longest * longest / patch.area) as f32 } else { 0.0 }
-}
 
 /// How long light of a mesh that is on screen may wait for the next frame, seconds. While the solver is at
 /// work it tells of itself more often than that, and every further frame that a software driver draws is
@@ -495,6 +420,7 @@ pub(super) fn shading_of(mode: ShadingMode) -> Shading {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::display::DisplayMesh;
     use crate::effects::EffectChoices;
     use crate::scene::{SceneSource, from_text, load};
     use crate::solve::{Control, Solution, SolveSettings, Stage, prepare, solve};

@@ -136,7 +136,7 @@ fn hour(ui: &mut Ui, model: &Model<'_>, day: &Day, choice: &mut DaylightChoice, 
         let [from, to] = day.range();
         ui.spacing_mut().slider_width = 86.0;
         let slider = Slider::new(&mut hours, from..=to).step_by(1.0 / 60.0).show_value(false);
-        ui.add(slider).labelled_by(label).on_hover_text("From dawn to dusk");
+        ui.add(slider).labelled_by(label);
         let field = DragValue::new(&mut hours)
             .range(0.0..=crate::ui::daylight::LAST)
             .speed(1.0 / 60.0)
