@@ -1,12 +1,13 @@
 //! Direct irradiance at a point, exactly: each emitter's outline less what hides it.
 
 use super::Clipper;
+use super::behind::Behind;
 use super::fan::Fan;
 use super::obstacles::Obstacles;
 use super::shaft::Shaft;
 use crate::emitters::Emitters;
 use crate::mesh::PatchMesh;
-use crate::visibility::THICKNESS;
+use crate::visibility::{Glass, THICKNESS};
 use glam::DVec3;
 
 /// The emitters of a scene and all that stands before them.
@@ -14,6 +15,7 @@ use glam::DVec3;
 pub struct DirectLight {
     emitters: Emitters,
     obstacles: Obstacles,
+    glass: Glass,
     /// Whether they hide anything from surfaces.
     visibility: bool,
     /// What is nearer to a plane counts as in it, metres.
@@ -25,9 +27,11 @@ pub struct DirectLight {
 /// What may hide each emitter from a cell; emitters that give it nothing are left out.
 #[derive(Clone, Debug, Default)]
 pub struct Views {
-    /// Emitter and where its obstacles end in `obstacles`.
-    sources: Vec<(u32, u32)>,
+    /// Emitter, and where its obstacles end in `obstacles` and its panes in `panes`.
+    sources: Vec<(u32, u32, u32)>,
     obstacles: Vec<u32>,
+    /// Panes of glass that may stand before it.
+    panes: Vec<u32>,
     /// Of a place that light may not reach, which sees sides that it does not reach either.
     anywhere: bool,
     /// Of a facet so small that rays tell all that matters: emitters are looked for at each point.
@@ -43,6 +47,8 @@ pub struct Scratch {
     outline: Vec<DVec3>,
     relative: Vec<DVec3>,
     found: Vec<u32>,
+    panes: Vec<u32>,
+    behind: Behind,
     edges: Vec<DVec3>,
     /// What emitters give, and where their outlines lie in `relative`.
     shares: Vec<(f64, usize, usize)>,
@@ -91,22 +97,28 @@ impl Views {
         self.sources.len()
     }
 
-    /// Whether all of them are seen wholly.
+    /// Whether all of them are seen wholly, and through no glass.
     pub fn is_clear(&self) -> bool {
-        self.obstacles.is_empty()
+        self.obstacles.is_empty() && self.panes.is_empty()
     }
 
     /// What a gathering there costs, in obstacles that are looked at.
     pub(super) fn work(&self) -> u64 {
-        (EMITTER_WORK * self.sources.len() + self.obstacles.len()) as u64
+        (EMITTER_WORK * self.sources.len() + self.obstacles.len() + self.panes.len()) as u64
     }
 
-    /// Each emitter with what may hide it.
-    fn iter(&self) -> impl Iterator<Item = (u32, &[u32])> {
-        let mut start = 0;
-        self.sources.iter().map(move |&(source, end)| {
-            (source, &self.obstacles[std::mem::replace(&mut start, end as usize)..end as usize])
+    /// Each emitter with what may hide it, and the panes that may stand before it.
+    fn iter(&self) -> impl Iterator<Item = (u32, [&[u32]; 2])> {
+        let mut starts = (0, 0);
+        self.sources.iter().map(move |&(source, obstacles, panes)| {
+            let ends = (obstacles as usize, panes as usize);
+            let (first, pane) = std::mem::replace(&mut starts, ends);
+            (source, [&self.obstacles[first..ends.0], &self.panes[pane..ends.1]])
         })
+    }
+
+    fn push(&mut self, source: u32) {
+        self.sources.push((source, self.obstacles.len() as u32, self.panes.len() as u32));
     }
 }
 
@@ -116,6 +128,7 @@ impl DirectLight {
         Self {
             emitters: Emitters::new(mesh),
             obstacles: Obstacles::new(mesh),
+            glass: Glass::new(mesh),
             visibility,
             thickness: THICKNESS * mesh.size,
             among_many: !mesh.clusters.is_empty(),
@@ -152,7 +165,7 @@ impl DirectLight {
         let area = 0.5 * (cell[1] - cell[0]).cross(cell[2] - cell[0]).length();
         let edge = area.sqrt();
         let mut sum = 0.0;
-        for (source, obstacles) in views.iter().filter(|view| !view.1.is_empty()) {
+        for (source, [obstacles, _]) in views.iter().filter(|view| !view.1[0].is_empty()) {
             let source = &self.emitters.sources[source as usize];
             let emitter = &source.emitter;
             let hull = emitter.hull();
@@ -207,10 +220,12 @@ impl DirectLight {
             if !self.aim(source, cell, normal, scratch) {
                 continue;
             }
-            let Scratch { shaft, found, .. } = scratch;
+            let Scratch { shaft, found, panes, .. } = scratch;
             found.clear();
+            panes.clear();
             if visibility {
                 self.obstacles.select(|bounds| shaft.meets(bounds), found);
+                self.glass.select(|bounds| shaft.meets(bounds), panes);
             }
             self.keep(source, scratch, &mut views);
         }
@@ -220,9 +235,9 @@ impl DirectLight {
     /// What a part of a cell may see, by what the whole may.
     pub fn narrowed(&self, views: &Views, cell: &[DVec3], normal: DVec3, scratch: &mut Scratch) -> Views {
         let mut narrowed = Views { anywhere: views.anywhere, ..Views::default() };
-        for (source, obstacles) in views.iter() {
-            if obstacles.is_empty() {
-                narrowed.sources.push((source, narrowed.obstacles.len() as u32));
+        for (source, [obstacles, panes]) in views.iter() {
+            if obstacles.is_empty() && panes.is_empty() {
+                narrowed.push(source);
                 continue;
             }
             if !self.aim(source, cell, normal, scratch) {
@@ -230,6 +245,8 @@ impl DirectLight {
             }
             scratch.found.clear();
             scratch.found.extend_from_slice(obstacles);
+            scratch.panes.clear();
+            scratch.panes.extend_from_slice(panes);
             self.keep(source, scratch, &mut narrowed);
         }
         narrowed
@@ -268,7 +285,9 @@ impl DirectLight {
             }
             views.obstacles.push(index);
         }
-        views.sources.push((source, views.obstacles.len() as u32));
+        let enters = |&&pane: &&u32| scratch.shaft.meets(&self.glass.panes().list[pane as usize].bounds);
+        views.panes.extend(scratch.panes.iter().filter(enters));
+        views.push(source);
     }
 
     /// Calls `add` with each basis and the irradiance that it gives at a point of the cell that `views` is of, W/m²
@@ -284,12 +303,18 @@ impl DirectLight {
         if views.is_sampled {
             return self.sample(point, normal, scratch, add);
         }
-        for (source, obstacles) in views.iter() {
-            let value = self.irradiance(source, (point, normal), obstacles, views.anywhere, scratch);
+        for (source, before) in views.iter() {
+            let value = self.irradiance(source, (point, normal), before, views.anywhere, scratch);
+            self.share_out(source, value, &mut add);
+        }
+    }
+
+    /// Adds what an emitter gives, in each band what glass leaves of it, to its bases.
+    fn share_out(&self, source: u32, value: [f64; 3], add: &mut impl FnMut(u32, f64)) {
+        for share in &self.emitters.sources[source as usize].shares {
+            let value = share.of(value);
             if value > 0.0 {
-                for share in &self.emitters.sources[source as usize].shares {
-                    add(share.basis, share.factor * value);
-                }
+                add(share.basis, value);
             }
         }
     }
@@ -298,17 +323,17 @@ impl DirectLight {
         &self,
         source: u32,
         (point, normal): (DVec3, DVec3),
-        obstacles: &[u32],
+        [obstacles, panes]: [&[u32]; 2],
         anywhere: bool,
         scratch: &mut Scratch,
-    ) -> f64 {
+    ) -> [f64; 3] {
         let emitter = &self.emitters.sources[source as usize].emitter;
-        let Scratch { clipper, fan, outline, relative, edges, beams, .. } = scratch;
+        let Scratch { clipper, fan, outline, relative, edges, beams, behind, .. } = scratch;
         edges.clear();
-        let Some(limit) = emitter.outline(point, outline) else { return 0.0 };
+        let Some(limit) = emitter.outline(point, outline) else { return [0.0; 3] };
         clipper.start(outline, normal);
         if clipper.is_empty() {
-            return 0.0;
+            return [0.0; 3];
         }
         beams.clear();
         beams.push((normal, 0.0));
@@ -320,7 +345,8 @@ impl DirectLight {
             let outline: Vec<DVec3> = clipper.fragments().flatten().copied().collect();
             let along = |share| if self.among_many { along_for(share * RAYS_AMONG_MANY) } else { RAYS };
             let share = self.share_by_rays(source, point, &outline, along);
-            return share * clipper.fragments().map(|f| emitter.irradiance(normal, f)).sum::<f64>();
+            let whole = clipper.fragments().map(|f| emitter.irradiance(normal, f)).sum::<f64>();
+            return share.map(|share| share * whole);
         }
         for &index in obstacles {
             if self.is_beside(index, point, beams) {
@@ -335,7 +361,7 @@ impl DirectLight {
             relative.extend(obstacle.corners.iter().map(|c| *c - point));
             clipper.subtract(relative, obstacle.plane, limit, self.thickness);
             if clipper.is_empty() {
-                return 0.0;
+                return [0.0; 3];
             }
             if clipper.count() > MOST_FRAGMENTS {
                 clipper.start(outline, normal);
@@ -350,10 +376,18 @@ impl DirectLight {
                     relative.extend(obstacle.corners.iter().map(|c| *c - point));
                     fan.add(relative, obstacle.plane, limit, self.thickness);
                 }
-                return fan.visible_share(normal) * emitter.irradiance(normal, &whole);
+                let share = fan.visible_share(normal);
+                behind.start(clipper.fragments());
+                behind.divide(&self.glass, panes, point, (limit, self.thickness));
+                return behind.irradiance(&self.glass, &**emitter, normal).map(|value| share * value);
             }
         }
-        clipper.fragments().map(|f| emitter.irradiance(normal, f)).sum()
+        if panes.is_empty() {
+            return [clipper.fragments().map(|f| emitter.irradiance(normal, f)).sum(); 3];
+        }
+        behind.start(clipper.fragments());
+        behind.divide(&self.glass, panes, point, (limit, self.thickness));
+        behind.irradiance(&self.glass, &**emitter, normal)
     }
 
     /// Whether an obstacle lies outside of one of the half-spaces that hold all between a point and an outline.
@@ -390,30 +424,26 @@ impl DirectLight {
             let along = |share| along_for(share * rays);
             let share = match self.visibility {
                 true => self.share_by_rays(index, point, &relative[start..end], along),
-                false => 1.0,
+                false => [1.0; 3],
             };
-            if share > 0.0 {
-                for basis in &self.emitters.sources[index as usize].shares {
-                    add(basis.basis, basis.factor * share * value);
-                }
-            }
+            self.share_out(index, share.map(|share| share * value), &mut add);
         }
     }
 
-    /// The share of an outline that is seen, by rays to grids over its triangles: so many `along` their edges, by
+    /// The share of an outline that is seen, in each band what glass leaves of it, by rays to grids over its triangles: so many `along` their edges, by
     /// their share of its area.
-    fn share_by_rays(&self, source: u32, point: DVec3, corners: &[DVec3], along: impl Fn(f64) -> u32) -> f64 {
+    fn share_by_rays(&self, source: u32, point: DVec3, corners: &[DVec3], along: impl Fn(f64) -> u32) -> [f64; 3] {
         let emitter = &self.emitters.sources[source as usize].emitter;
         let triangles =
             || (1..corners.len().saturating_sub(1)).map(|k| [corners[0], corners[k], corners[k + 1]]);
         let area_of = |[a, b, c]: [DVec3; 3]| (b - a).cross(c - a).length();
         let whole: f64 = triangles().map(area_of).sum();
-        let mut seen = 0.0;
+        let mut seen = [0.0; 3];
         for triangle in triangles() {
             let area = area_of(triangle);
             let [a, b, c] = triangle;
             let along = along(area / whole.max(f64::MIN_POSITIVE));
-            let mut open = 0;
+            let mut open = [0.0; 3];
             for i in 0..along * along {
                 // Square to triangle, evenly (Turk 1990).
                 let (u, v) = ((f64::from(i % along) + 0.5) / f64::from(along), f64::from(i / along) + 0.5);
@@ -422,11 +452,18 @@ impl DirectLight {
                 let hides = self.obstacles.hides(point, point + to, 5.0 * self.thickness, |obstacle| {
                     !emitter.is_part(obstacle.region)
                 });
-                open += u32::from(!hides);
+                if hides {
+                    continue;
+                }
+                let length = to.length();
+                let margin = 5.0 * self.thickness;
+                let passed = self.glass.along(point, to / length, [margin, length - margin]);
+                open.iter_mut().zip(passed).for_each(|(open, passed)| *open += passed);
             }
-            seen += area * f64::from(open) / f64::from(along * along);
+            let each = area / f64::from(along * along);
+            seen.iter_mut().zip(open).for_each(|(seen, open)| *seen += each * open);
         }
-        if whole > 0.0 { seen / whole } else { 0.0 }
+        if whole > 0.0 { seen.map(|seen| seen / whole) } else { [0.0; 3] }
     }
 
     /// Irradiance at a free point from everything, as [`Self::gather`] gives it; where `is_hidden`, of what surfaces

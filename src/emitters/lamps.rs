@@ -2,7 +2,7 @@
 
 use super::{ConvexBody, Emitter, Face, OutdoorEmitter, PhotometricEmitter};
 use crate::mesh::{NO_PATCH, PatchMesh, Side};
-use crate::scene::PhotometricSource;
+use crate::scene::{PhotometricSource, luminance_weighted};
 use crate::visibility::THICKNESS;
 use glam::DVec3;
 use std::collections::{BTreeMap, HashMap};
@@ -31,6 +31,21 @@ pub struct Share {
     pub basis: u32,
     /// Its exitance for a unit of the basis.
     pub factor: f64,
+    /// The band by which tinted glass dims it; all bands, weighed by luminance, where glass has no tint.
+    pub band: Option<u8>,
+}
+
+impl Share {
+    /// What it brings of light of which glass leaves so much in each band.
+    pub fn of(&self, left: [f64; 3]) -> f64 {
+        let [red, green, blue] = left;
+        let value = match self.band {
+            Some(band) => left[usize::from(band)],
+            None if red == green && green == blue => red,
+            None => luminance_weighted(left),
+        };
+        self.factor * value
+    }
 }
 
 /// An emitter and where its light is kept.
@@ -49,6 +64,8 @@ pub struct Emitters {
     pub bases: Vec<Basis>,
     /// What sends it out.
     pub sources: Vec<Source>,
+    /// Tinted glass colours it, so that each band is kept by itself.
+    by_band: bool,
 }
 
 /// The faces of one lamp that send out light of one colour.
@@ -105,7 +122,7 @@ impl Emitters {
                 colours[at].1.extend(polygons.into_iter().map(|polygon| (polygon, index as u32)));
             }
         }
-        let mut all = Self::default();
+        let mut all = Self { by_band: mesh.panes.is_tinted(), ..Self::default() };
         for (lamp, colours) in lamps {
             match photometric.remove(&lamp) {
                 _ if mesh.is_outdoors(lamp) => all.add_outdoors(lamp, mesh),
@@ -122,36 +139,42 @@ impl Emitters {
             true => OutdoorEmitter::sky(outdoors, mesh.middle, mesh.size),
             false => OutdoorEmitter::sun(outdoors, mesh.middle, mesh.size).into_iter().collect(),
         };
-        let shares = vec![Share { basis: self.bases.len() as u32, factor: 1.0 }];
-        self.bases.push(Basis { lamp, weight: [1.0; 3] });
+        let shares = self.one_or_each_band(lamp);
         self.sources
             .extend(parts.into_iter().map(|part| Source { emitter: Arc::new(part), shares: shares.clone() }));
     }
 
     fn add_photometric(&mut self, lamp: u32, sources: &[&PhotometricSource], regions: &[u32], size: f64) {
-        let shares = vec![Share { basis: self.bases.len() as u32, factor: 1.0 }];
-        self.bases.push(Basis { lamp, weight: [1.0; 3] });
+        let shares = self.one_or_each_band(lamp);
         self.sources.extend(sources.iter().map(|&source| {
             let emitter = PhotometricEmitter::new(source.clone(), regions.to_vec(), THICKNESS * size, size);
             Source { emitter: Arc::new(emitter), shares: shares.clone() }
         }));
     }
 
+    /// Bases of a lamp of one colour: one, or one for each band.
+    fn one_or_each_band(&mut self, lamp: u32) -> Vec<Share> {
+        let first = self.bases.len() as u32;
+        if !self.by_band {
+            self.bases.push(Basis { lamp, weight: [1.0; 3] });
+            return vec![Share { basis: first, factor: 1.0, band: None }];
+        }
+        self.bases.extend((0..3).map(|b| Basis { lamp, weight: band(b) }));
+        (0..3).map(|b| Share { basis: first + b, factor: 1.0, band: Some(b as u8) }).collect()
+    }
+
     fn add(&mut self, lamp: u32, colours: Coloured, thickness: f64) {
         let first = self.bases.len() as u32;
-        let is_one = colours.len() == 1;
+        let is_one = colours.len() == 1 && !self.by_band;
         match is_one {
             true => self.bases.push(Basis { lamp, weight: colours[0].0 }),
-            false => {
-                let band = |b: usize| std::array::from_fn(|k| f64::from(u8::from(k == b)));
-                self.bases.extend((0..3).map(|b| Basis { lamp, weight: band(b) }));
-            }
+            false => self.bases.extend((0..3).map(|b| Basis { lamp, weight: band(b) })),
         }
         for (weight, faces) in colours {
             let shares: Vec<Share> = match is_one {
-                true => vec![Share { basis: first, factor: 1.0 }],
+                true => vec![Share { basis: first, factor: 1.0, band: None }],
                 false => (0..3)
-                    .map(|b| Share { basis: first + b as u32, factor: weight[b] })
+                    .map(|b| Share { basis: first + b as u32, factor: weight[b], band: Some(b as u8) })
                     .filter(|share| share.factor > 0.0)
                     .collect(),
             };
@@ -168,6 +191,11 @@ impl Emitters {
             }
         }
     }
+}
+
+/// One in a band, 0 in the others.
+fn band(index: u32) -> [f64; 3] {
+    std::array::from_fn(|k| f64::from(u8::from(k as u32 == index)))
 }
 
 /// Faces that are joined by corners, group by group in the order of their first faces.
