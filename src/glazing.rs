@@ -6,6 +6,10 @@
 //! Thermal Processes", section 5.3). Directions are given by the cosine of the angle of incidence, 1 for
 //! light that arrives along the normal.
 
+mod table;
+
+pub use table::AngleTable;
+
 use crate::geometry::gauss_legendre;
 
 /// Refractive index of window glass.
@@ -28,6 +32,11 @@ pub enum GlazingError {
         "the transmittance is {0}, but two surfaces of index {1} let at most {2:.4} pass, and none is below 0"
     )]
     Transmittance(f64, f64, f64),
+    /// The same of a unit, with the number of its surfaces.
+    #[error(
+        "the transmittance is {0}, but {1} surfaces of index {2} let at most {3:.4} pass, and none is below 0"
+    )]
+    Unit(f64, u32, f64, f64),
     /// No pane at all.
     #[error("a glazing unit needs at least one pane")]
     NoPane,
@@ -179,6 +188,34 @@ impl Glazing {
     /// A single pane.
     pub fn single(pane: Pane) -> Self {
         Self { panes: vec![pane] }
+    }
+
+    /// So many panes alike, 1 or more, that together let this share of each band pass along the normal: what a maker
+    /// states of a unit.
+    ///
+    /// # Errors
+    /// More than so many surfaces of this index let pass, or a share below 0.
+    pub fn of_unit(panes: u32, index: f64, transmittance: [f64; 3]) -> Result<Self, GlazingError> {
+        let of = |tn: f64| Pane::new(index, [tn; 3]).map(|pane| Self { panes: vec![pane; panes as usize] });
+        if panes == 0 {
+            return Err(GlazingError::NoPane);
+        }
+        let most = of(1.0)?.transmittance(1.0)[0];
+        let mut transmissivity = [0.0; 3];
+        for (found, &wanted) in transmissivity.iter_mut().zip(&transmittance) {
+            if !(0.0..=most + 5e-5).contains(&wanted) {
+                return Err(GlazingError::Unit(wanted, 2 * panes, index, most));
+            }
+            // It rises with the transmissivity of a pane.
+            let (mut low, mut high) = (0.0, 1.0);
+            for _ in 0..60 {
+                let middle = 0.5 * (low + high);
+                let is_more = of(middle)?.transmittance(1.0)[0] > wanted;
+                (low, high) = if is_more { (low, middle) } else { (middle, high) };
+            }
+            *found = 0.5 * (low + high);
+        }
+        Ok(Self { panes: vec![Pane::new(index, transmissivity)?; panes as usize] })
     }
 
     /// Two panes alike.
@@ -359,6 +396,20 @@ mod tests {
         near(unit.hemispherical_transmittance()[0], 0.694331);
         // What passes, is mirrored and is absorbed is all there is.
         assert!(unit.hemispherical_transmittance()[0] + unit.hemispherical_outer_reflectance()[0] < 1.0);
+    }
+
+    #[test]
+    fn a_unit_has_the_transmittance_that_its_maker_states() {
+        let unit = Glazing::of_unit(2, WINDOW_GLASS, [0.781_803, 0.6, 0.0]).unwrap();
+        let [red, green, blue] = unit.transmittance(1.0);
+        near(red, 0.781_803);
+        near(green, 0.6);
+        assert!(blue < 1e-12);
+        assert!((unit.panes()[0].transmissivity()[0] - 0.96).abs() < 1e-5, "{unit:?}");
+        assert_eq!(Glazing::of_unit(1, WINDOW_GLASS, [0.78; 3]).unwrap().panes().len(), 1);
+        let refused = Glazing::of_unit(2, WINDOW_GLASS, [0.9; 3]).unwrap_err().to_string();
+        assert!(refused.contains("4 surfaces") && refused.contains("at most 0.8494"), "{refused}");
+        assert_eq!(Glazing::of_unit(0, WINDOW_GLASS, [0.5; 3]), Err(GlazingError::NoPane));
     }
 
     #[test]

@@ -9,7 +9,8 @@ use std::fmt::Write as _;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
-const BLACK: &str = "newmtl black\nKd 0 0 0\nnewmtl grey\nKd 0.5 0.5 0.5\n";
+const BLACK: &str = "newmtl black\nKd 0 0 0\nnewmtl grey\nKd 0.5 0.5 0.5\n\
+                     newmtl glass\nKd 0 0 0\nNi 1.52\nillum 6\nTf 0.88146 0.88146 0.88146\n";
 
 /// A model with z up and its light.
 fn solved(obj: &str, sidecar: &str, patches: usize) -> Solution {
@@ -97,6 +98,20 @@ fn room(roof: Option<f64>) -> String {
     obj.text
 }
 
+/// The same room with a pane of clear glass, of a transmissivity of 0.96, in its opening.
+fn glazed(roof: Option<f64>) -> String {
+    let mut obj = Obj { text: room(roof), vertices: 0 };
+    obj.vertices = obj.text.lines().filter(|line| line.starts_with("v ")).count();
+    match roof {
+        Some(edge) => {
+            let (low, high) = (2.0 - 0.5 * edge, 2.0 + 0.5 * edge);
+            obj.quad("glass", [[low, low, 3.0], [high, low, 3.0], [high, high, 3.0], [low, high, 3.0]]);
+        }
+        None => obj.quad("glass", [[1.0, 0.0, 1.0], [3.0, 0.0, 1.0], [3.0, 0.0, 2.0], [1.0, 0.0, 2.0]]),
+    }
+    obj.text
+}
+
 /// Points A to F down a wall at `y` that faces `normal`, then G to N across the floor.
 fn points(y: f64, normal: DVec3, floor: impl Fn(f64) -> f64) -> Vec<(DVec3, DVec3)> {
     let wall = (0..6).map(|k| (DVec3::new(2.0, y, 2.75 - 0.5 * f64::from(k)), normal));
@@ -148,6 +163,62 @@ fn a_window_lights_a_black_room_as_cie_171_5_11_says() {
         let found: Vec<f64> = lux(&solution, &points).into_iter().map(|lux| lux / 100.0).collect();
         println!("{sky}: {found:.3?}");
         assert_near(&format!("type {sky}"), &found, &exact, 0.01);
+    }
+}
+
+#[test]
+fn glass_in_the_roof_lights_a_black_room_as_cie_171_5_10_says() {
+    let type_1 =
+        [0.152, 1.169, 1.914, 1.930, 1.626, 1.279, 2.047, 2.735, 3.381, 3.784, 3.784, 3.381, 2.735, 2.047];
+    let type_12 =
+        [0.579, 2.659, 3.723, 3.936, 3.676, 3.172, 5.017, 5.279, 4.503, 3.497, 2.553, 1.792, 1.233, 0.846];
+    let whole_1 = [
+        26.900, 25.216, 22.206, 18.694, 15.337, 12.424, 27.878, 32.682, 36.205, 38.046, 38.046, 36.205,
+        32.682, 27.878,
+    ];
+    for (edge, sky, exact, worst) in
+        [(1.0, 1, type_1, 0.004), (1.0, 12, type_12, 0.01), (4.0, 1, whole_1, 0.004)]
+    {
+        let sidecar = format!("[daylight]\nsun = [60, 0]\nsky = \"{sky}\"\nlux = [0, 10000]\nground = 0\n");
+        let solution = solved(&glazed(Some(edge)), &sidecar, 300);
+        let found: Vec<f64> =
+            lux(&solution, &points(0.0, DVec3::Y, |y| y)).into_iter().map(|lux| lux / 100.0).collect();
+        println!("{edge} m, {sky}: {found:.3?}");
+        assert_near(&format!("{edge} m, type {sky}"), &found, &exact, worst);
+    }
+}
+
+#[test]
+fn a_glazed_window_lights_a_black_room_as_cie_171_5_12_says() {
+    let type_1 =
+        [0.837, 0.936, 1.102, 1.329, 1.497, 1.633, 0.767, 1.149, 1.771, 2.791, 4.388, 6.447, 7.193, 2.164];
+    let type_12 =
+        [0.837, 0.936, 2.101, 4.345, 5.114, 4.411, 1.756, 2.455, 3.557, 5.348, 8.249, 12.289, 12.714, 2.166];
+    for (sky, exact) in [(1, type_1), (12, type_12)] {
+        let sidecar =
+            format!("[daylight]\nsun = [60, 180]\nsky = \"{sky}\"\nlux = [0, 10000]\nground = 0.3\n");
+        let solution = solved(&glazed(None), &sidecar, 300);
+        let points = points(4.0, DVec3::NEG_Y, |y| 4.0 - y);
+        let found: Vec<f64> = lux(&solution, &points).into_iter().map(|lux| lux / 100.0).collect();
+        println!("{sky}: {found:.3?}");
+        assert_near(&format!("type {sky}"), &found, &exact, 0.01);
+    }
+}
+
+#[test]
+fn the_sun_through_a_pane_is_dimmed_by_its_angle() {
+    // A table under a sheet of glass: sun at 30 degrees from the zenith and at 60.
+    for (elevation, passed) in [(60.0_f64, 0.87705), (30.0, 0.80152)] {
+        let mut obj = Obj::new();
+        obj.quad("grey", [[-1.0, -1.0, 0.0], [1.0, -1.0, 0.0], [1.0, 1.0, 0.0], [-1.0, 1.0, 0.0]]);
+        obj.quad("glass", [[-9.0, -9.0, 0.5], [9.0, -9.0, 0.5], [9.0, 9.0, 0.5], [-9.0, 9.0, 0.5]]);
+        let sidecar = format!(
+            "[daylight]\nsun = [{elevation}, 180]\nsky = \"uniform\"\nlux = [80000, 0]\nground = 0\n"
+        );
+        let solution = solved(&obj.text, &sidecar, 200);
+        let found = lux(&solution, &[(DVec3::ZERO, DVec3::Z)])[0];
+        let exact = 80_000.0 * elevation.to_radians().sin() * passed;
+        assert!((found / exact - 1.0).abs() < 2e-3, "{elevation}: {found:.0} for {exact:.0}");
     }
 }
 

@@ -71,15 +71,15 @@ impl Openings {
     }
 
     /// Luminance of the irradiance from all of them by about so many `samples`, at least one each. Receivers start
-    /// where `start` says for four numbers in 0..1; `is_hidden` tells whether something other than the lamp's own
-    /// surfaces stands between a point and one that is a way and a distance ahead.
+    /// where `start` says for four numbers in 0..1; `passes` tells what share of light, by luminance, gets past
+    /// what is not the lamp's own between a point and one that is a way and a distance ahead.
     pub(super) fn gather(
         &self,
         start: impl Fn([f64; 4]) -> (DVec3, DVec3),
         shares: &[f64],
         samples: u32,
         seed: u64,
-        is_hidden: impl Fn(u32, DVec3, DVec3, f64) -> bool,
+        passes: impl Fn(u32, DVec3, DVec3, f64) -> f64,
     ) -> f64 {
         let mut sum = 0.0;
         for (k, (opening, share)) in (0_u64..).zip(self.list.iter().zip(shares)) {
@@ -94,9 +94,8 @@ impl Openings {
                 let given = opening.unhindered(way, normal, facing);
                 if given > 0.0 {
                     let end = distance - FLUSH.min(FLUSH_SHARE * distance);
-                    if !is_hidden(opening.source.luminaire, origin, way / distance, end) {
-                        sum += given / f64::from(own);
-                    }
+                    let passed = passes(opening.source.luminaire, origin, way / distance, end);
+                    sum += passed * given / f64::from(own);
                 }
             }
         }

@@ -8,6 +8,7 @@ use crate::direct::{Elements, NO_ELEMENT};
 use crate::geometry::{Bvh, Frame, Ray};
 use crate::mesh::{NO_PATCH, PatchMesh};
 use crate::scene::{Outdoors, luminance_weighted};
+use crate::visibility::Glass;
 use glam::DVec3;
 use std::f64::consts::{PI, TAU};
 use std::sync::Arc;
@@ -87,6 +88,8 @@ pub struct Witness<'a> {
     /// The sky and the sun, and how bright they are switched, over what they come with.
     outdoors: Option<(Arc<Outdoors>, f64, f64)>,
     offset: f64,
+    /// Panes of glass, which dim by luminance here.
+    glass: Glass,
 }
 
 /// Of what the lamps are drawn by, this share heeds their power alone: none is left out.
@@ -168,6 +171,7 @@ impl<'a> Witness<'a> {
                 (Arc::clone(outdoors), of_sky, over(outdoors.sun, outdoors.sun_exitance()))
             }),
             offset: 1e-7 * mesh.size,
+            glass: Glass::new(mesh),
         }
     }
 
@@ -350,7 +354,8 @@ impl<'a> Witness<'a> {
             let is_shown = |triangle: u32| self.is_shown(triangle, direction);
             let Some(hit) = self.bvh.nearest_where(&ray, self.offset, f64::INFINITY, is_shown) else {
                 if let Some((outdoors, sky, _)) = &self.outdoors {
-                    let direct = each * PI * sky * outdoors.radiance(direction);
+                    let passed = self.glass.luminous(origin, direction, [self.offset, f64::INFINITY]);
+                    let direct = each * passed * PI * sky * outdoors.radiance(direction);
                     found.constant += direct;
                     found.shown += direct;
                     found.direct += direct;
@@ -364,14 +369,15 @@ impl<'a> Witness<'a> {
             if other == NO_PATCH {
                 continue;
             }
-            found.constant += each * self.reflected[other as usize];
+            let passed = self.glass.luminous(origin, direction, [self.offset, hit.distance - self.offset]);
+            found.constant += each * passed * self.reflected[other as usize];
             let weights = [1.0 - hit.u - hit.v, hit.u, hit.v];
             let side = 2 * hit.triangle as usize + back;
-            found.shown += each * self.interpolated(&self.shown_reflected, side, weights);
+            found.shown += each * passed * self.interpolated(&self.shown_reflected, side, weights);
             let exitance = self.exitance[other as usize];
             if exitance > 0.0 {
                 let g = cosine * front.dot(direction).abs() / (PI * hit.distance * hit.distance);
-                let direct = exitance * g / density(other, g);
+                let direct = passed * exitance * g / density(other, g);
                 found.constant += direct;
                 found.shown += direct;
                 found.direct += direct;
@@ -402,7 +408,8 @@ impl<'a> Witness<'a> {
                 continue;
             }
             let g = cosines / (PI * distance2 * distance2);
-            let direct = self.exitance[lamp as usize] * g / density(lamp, g);
+            let passed = self.glass.between(origin, target, self.offset);
+            let direct = passed * self.exitance[lamp as usize] * g / density(lamp, g);
             found.constant += direct;
             found.shown += direct;
             found.direct += direct;
@@ -431,7 +438,8 @@ impl<'a> Witness<'a> {
                         is_shown,
                     )
                 {
-                    direct += sun * outdoors.sun_exitance() * cosine / f64::from(to_sun);
+                    let passed = self.glass.luminous(origin, direction, [self.offset, f64::INFINITY]);
+                    direct += passed * sun * outdoors.sun_exitance() * cosine / f64::from(to_sun);
                 }
             }
             found.constant += direct;
@@ -441,13 +449,16 @@ impl<'a> Witness<'a> {
 
         // 4. Towards what shines by photometry.
         if !self.openings.is_empty() {
-            let is_hidden = |lamp: u32, origin: DVec3, direction: DVec3, end: f64| {
+            let passes = |lamp: u32, origin: DVec3, direction: DVec3, end: f64| {
                 let stands =
                     |triangle: u32| self.is_shown(triangle, direction) && !self.is_of(triangle, lamp);
-                self.bvh.occluded_where(&Ray { origin, direction }, self.offset, end, stands)
+                match self.bvh.occluded_where(&Ray { origin, direction }, self.offset, end, stands) {
+                    true => 0.0,
+                    false => self.glass.luminous(origin, direction, [self.offset, end]),
+                }
             };
             let (samples, seed) = ((rays / 4).max(16), seed ^ 0x2545_F491_4F6C_DD1D);
-            let direct = self.openings.gather(start, &choice.openings, samples, seed, is_hidden);
+            let direct = self.openings.gather(start, &choice.openings, samples, seed, passes);
             found.constant += direct;
             found.shown += direct;
             found.direct += direct;

@@ -24,14 +24,14 @@ pub struct Clipper {
 
 /// Polygons in one list of corners.
 #[derive(Clone, Debug, Default)]
-struct Polygons {
+pub(super) struct Polygons {
     corners: Vec<DVec3>,
     /// Where each ends.
     ends: Vec<u32>,
 }
 
 impl Polygons {
-    fn clear(&mut self) {
+    pub(super) fn clear(&mut self) {
         self.corners.clear();
         self.ends.clear();
     }
@@ -41,7 +41,7 @@ impl Polygons {
         self.ends.push(self.corners.len() as u32);
     }
 
-    fn iter(&self) -> impl Iterator<Item = &[DVec3]> {
+    pub(super) fn iter(&self) -> impl Iterator<Item = &[DVec3]> {
         let mut start = 0;
         self.ends
             .iter()
@@ -158,7 +158,7 @@ fn extent(corners: &[DVec3]) -> f64 {
 }
 
 /// The part of a convex polygon where `plane · x >= 0`; the rest is added to `outside`, where that is asked for.
-fn split(
+pub(super) fn split(
     polygon: &[DVec3],
     plane: DVec3,
     on_plane: f64,

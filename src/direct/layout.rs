@@ -12,6 +12,7 @@ use crate::emitters::{Share, Source};
 use crate::mesh::PatchMesh;
 use crate::watch::{Cancelled, Watch};
 use rayon::prelude::*;
+use std::ops::Range;
 use std::sync::Arc;
 
 /// Direct light laid out at one hour, to be lit at any.
@@ -20,21 +21,24 @@ pub struct Layout {
     /// With the light of the lamps and of the sky at that hour, without the sun.
     base: Elements,
     /// What the parts of the sky counted then.
-    shares: Vec<Vec<Share>>,
+    shares: Vec<Option<Share>>,
     /// Mean light that errors were counted against, W/m².
     mean: f64,
 }
 
-/// The basis of the sun and that alone, where it shines.
-fn sun_of(mesh: &PatchMesh, light: &DirectLight) -> Option<(u32, DirectLight)> {
+/// The bases of the sun and that alone, where it shines.
+fn sun_of(mesh: &PatchMesh, light: &DirectLight) -> Option<(Range<u32>, DirectLight)> {
     let sun = mesh.outdoors.as_ref()?.sun;
-    let basis = light.emitters().bases.iter().position(|basis| basis.lamp == sun)? as u32;
-    let alone = light.keeping(|source| is_of(source, basis));
-    (!alone.emitters().sources.is_empty()).then_some((basis, alone))
+    let all = &light.emitters().bases;
+    let first = all.iter().position(|basis| basis.lamp == sun)?;
+    let bases =
+        first as u32..(first + all[first..].iter().take_while(|basis| basis.lamp == sun).count()) as u32;
+    let alone = light.keeping(|source| is_of(source, &bases));
+    (!alone.emitters().sources.is_empty()).then_some((bases, alone))
 }
 
-fn is_of(source: &Source, basis: u32) -> bool {
-    source.shares.iter().any(|share| share.basis == basis)
+fn is_of(source: &Source, bases: &Range<u32>) -> bool {
+    source.shares.iter().any(|share| bases.contains(&share.basis))
 }
 
 /// What is found at each corner, by what the elements may see.
@@ -66,8 +70,8 @@ impl Layout {
         let sun = sun_of(mesh, light);
         let without;
         let steady = match &sun {
-            Some((basis, _)) => {
-                without = light.keeping(|source| !is_of(source, *basis));
+            Some((bases, _)) => {
+                without = light.keeping(|source| !is_of(source, bases));
                 &without
             }
             None => light,
@@ -81,11 +85,12 @@ impl Layout {
         }
         // 2. What they have of the sun: errors count against all light.
         let mut besides = Vec::new();
-        if let Some((basis, sun)) = &sun {
+        if let Some((_, sun)) = &sun {
             let views = first_views(&elements, mesh, sun, &mut watch.part(0.3, 0.3))?;
-            let exitance = settings.exitance[*basis as usize];
+            let exitance = &settings.exitance;
             let found = at_corners(&elements, sun, &views, &mut watch.part(0.3, 0.3))?;
-            let watts = |found: &Found| found.light.iter().map(|light| f64::from(light.1) * exitance).sum();
+            let watts = |&(basis, value): &(u32, f32)| f64::from(value) * exitance[basis as usize];
+            let watts = |found: &Found| found.light.iter().map(watts).sum();
             besides = found.iter().map(watts).collect();
         }
         // 3. Those that are worst, pass by pass.
@@ -109,7 +114,7 @@ impl Layout {
         settings: &ElementSettings,
         watch: &mut Watch<'_>,
     ) -> Result<Elements, Cancelled> {
-        let Some((basis, sun)) = sun_of(mesh, light) else {
+        let Some((bases, sun)) = sun_of(mesh, light) else {
             let mut elements = self.base.unlit();
             self.steady(light).iter().for_each(|found| elements.push_light(&found.light));
             return Ok(elements);
@@ -125,7 +130,7 @@ impl Layout {
         }
         // 3. Its edges.
         let mut refinement =
-            Refinement::new((mesh, &sun), settings, elements, (views, seen_from), Some(basis));
+            Refinement::new((mesh, &sun), settings, elements, (views, seen_from), Some(bases));
         refinement.measure_mean(&[]);
         let mean = refinement.mean;
         let mut lit = refinement.run(mesh, &mut watch.part(0.6, 1.0))?;
@@ -147,23 +152,24 @@ impl Layout {
     ) -> Result<Elements, Cancelled> {
         let mut elements = self.base.unlit();
         let mut found = self.steady(light);
-        if let Some((basis, sun)) = sun_of(mesh, light) {
+        if let Some((_, sun)) = sun_of(mesh, light) {
             let places = places(&elements, inset(&sun));
             let by_sun = watch.map(&places, |corner, place| {
-                let Some((element, point)) = place else { return 0.0 };
+                let mut seen: Vec<(u32, f32)> = Vec::new();
+                let Some((element, point)) = place else { return seen };
                 let element = &elements.elements[*element as usize];
                 if mesh.patches[element.patch as usize].buried {
-                    return 0.0;
+                    return seen;
                 }
                 let normal = elements.corners[corner].normal;
-                let value = |scratch: &mut Scratch| {
-                    let sources = sun.emitters().sources.iter();
-                    sources.map(|source| sun.by_few_rays(source, (*point, normal), scratch)).sum::<f64>()
-                };
-                with_scratch(value)
+                for source in &sun.emitters().sources {
+                    let value = with_scratch(|scratch| sun.by_few_rays(source, (*point, normal), scratch));
+                    seen.extend(source.shares.iter().map(|share| (share.basis, share.of(value) as f32)));
+                }
+                seen
             })?;
-            for (found, value) in found.iter_mut().zip(by_sun).filter(|(_, value)| *value > 0.0) {
-                found.add(basis, value as f32);
+            for (found, seen) in found.iter_mut().zip(by_sun) {
+                seen.iter().filter(|seen| seen.1 > 0.0).for_each(|&(basis, value)| found.add(basis, value));
             }
         }
         found.iter().for_each(|found| elements.push_light(&found.light));

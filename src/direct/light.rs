@@ -1,12 +1,13 @@
 //! Direct irradiance at a point, exactly: each emitter's outline less what hides it.
 
 use super::Clipper;
+use super::behind::Behind;
 use super::fan::Fan;
 use super::obstacles::Obstacles;
 use super::shaft::Shaft;
 use crate::emitters::{Emitters, Source};
 use crate::mesh::PatchMesh;
-use crate::visibility::THICKNESS;
+use crate::visibility::{Glass, THICKNESS};
 use glam::DVec3;
 use std::sync::Arc;
 
@@ -15,6 +16,7 @@ use std::sync::Arc;
 pub struct DirectLight {
     emitters: Emitters,
     obstacles: Arc<Obstacles>,
+    glass: Glass,
     /// Whether they hide anything from surfaces.
     visibility: bool,
     /// What is nearer to a plane counts as in it, metres.
@@ -26,9 +28,11 @@ pub struct DirectLight {
 /// What may hide each emitter from a cell; emitters that give it nothing are left out.
 #[derive(Clone, Debug, Default)]
 pub struct Views {
-    /// Emitter and where its obstacles end in `obstacles`.
-    sources: Vec<(u32, u32)>,
+    /// Emitter, and where its obstacles end in `obstacles` and its panes in `panes`.
+    sources: Vec<(u32, u32, u32)>,
     obstacles: Vec<u32>,
+    /// Panes of glass that may stand before it.
+    panes: Vec<u32>,
     /// Of a place that light may not reach, which sees sides that it does not reach either.
     anywhere: bool,
     /// Of a facet so small that rays tell all that matters: emitters are looked for at each point.
@@ -44,6 +48,8 @@ pub struct Scratch {
     outline: Vec<DVec3>,
     relative: Vec<DVec3>,
     found: Vec<u32>,
+    panes: Vec<u32>,
+    behind: Behind,
     edges: Vec<DVec3>,
     /// What emitters give, and where their outlines lie in `relative`.
     shares: Vec<(f64, usize, usize)>,
@@ -95,22 +101,28 @@ impl Views {
         self.sources.len()
     }
 
-    /// Whether all of them are seen wholly.
+    /// Whether all of them are seen wholly, and through no glass.
     pub fn is_clear(&self) -> bool {
-        self.obstacles.is_empty()
+        self.obstacles.is_empty() && self.panes.is_empty()
     }
 
     /// What a gathering there costs, in obstacles that are looked at.
     pub(super) fn work(&self) -> u64 {
-        (EMITTER_WORK * self.sources.len() + self.obstacles.len()) as u64
+        (EMITTER_WORK * self.sources.len() + self.obstacles.len() + self.panes.len()) as u64
     }
 
-    /// Each emitter with what may hide it.
-    fn iter(&self) -> impl Iterator<Item = (u32, &[u32])> {
-        let mut start = 0;
-        self.sources.iter().map(move |&(source, end)| {
-            (source, &self.obstacles[std::mem::replace(&mut start, end as usize)..end as usize])
+    /// Each emitter with what may hide it, and the panes that may stand before it.
+    fn iter(&self) -> impl Iterator<Item = (u32, [&[u32]; 2])> {
+        let mut starts = (0, 0);
+        self.sources.iter().map(move |&(source, obstacles, panes)| {
+            let ends = (obstacles as usize, panes as usize);
+            let (first, pane) = std::mem::replace(&mut starts, ends);
+            (source, [&self.obstacles[first..ends.0], &self.panes[pane..ends.1]])
         })
+    }
+
+    fn push(&mut self, source: u32) {
+        self.sources.push((source, self.obstacles.len() as u32, self.panes.len() as u32));
     }
 }
 
@@ -120,6 +132,7 @@ impl DirectLight {
         Self {
             emitters: Emitters::new(mesh),
             obstacles: Arc::new(Obstacles::new(mesh)),
+            glass: Glass::new(mesh),
             visibility,
             thickness: THICKNESS * mesh.size,
             among_many: !mesh.clusters.is_empty(),
@@ -152,43 +165,47 @@ impl DirectLight {
         !self.obstacles.hides(from, to, 5.0 * self.thickness, |_| true)
     }
 
-    /// Irradiance of a point with a unit normal by a source for a unit of what it sends, by few rays: to its middle, and
-    /// to its corners where these differ.
+    /// Irradiance of a point with a unit normal by a source for a unit of what it sends, in each band what glass leaves of
+    /// it, by few rays: to its middle and halfway to its rim.
     pub(super) fn by_few_rays(
         &self,
         source: &Source,
         (point, normal): (DVec3, DVec3),
         scratch: &mut Scratch,
-    ) -> f64 {
+    ) -> [f64; 3] {
         let Scratch { clipper, outline, relative, .. } = scratch;
         if source.emitter.outline(point, outline).is_none() {
-            return 0.0;
+            return [0.0; 3];
         }
         clipper.start(outline, normal);
         relative.clear();
         relative.extend(clipper.fragments().flatten());
         if relative.is_empty() {
-            return 0.0;
+            return [0.0; 3];
         }
         let value: f64 = clipper.fragments().map(|f| source.emitter.irradiance(normal, f)).sum();
-        let middle = relative.iter().sum::<DVec3>() / relative.len() as f64;
-        let is_open = |to: DVec3| {
-            !self.obstacles.hides(point, point + to, 5.0 * self.thickness, |obstacle| {
-                !source.emitter.is_part(obstacle.region)
-            })
-        };
-        let open = u32::from(is_open(middle));
         if !self.visibility {
-            return value;
+            return [value; 3];
         }
-        // Inside of the rim, where half of a disc is.
+        let middle = relative.iter().sum::<DVec3>() / relative.len() as f64;
+        let margin = 5.0 * self.thickness;
+        let passed = |to: DVec3| {
+            let is_own = |region: u32| source.emitter.is_part(region);
+            if self.obstacles.hides(point, point + to, margin, |obstacle| !is_own(obstacle.region)) {
+                return [0.0; 3];
+            }
+            let length = to.length();
+            self.glass.along(point, to / length, [margin, length - margin])
+        };
+        // Halfway between those two by area.
         let step = relative.len().div_ceil(RIM_RAYS).max(1);
-        let rim = || relative.iter().step_by(step).map(|&corner| is_open(middle.lerp(corner, 0.7)));
-        let (mut seen, mut count) = (open, 1_u32);
-        for is_open in rim() {
-            (seen, count) = (seen + u32::from(is_open), count + 1);
+        let rim = relative.iter().step_by(step).map(|&corner| middle.lerp(corner, 0.7));
+        let (mut sum, mut count) = ([0.0; 3], 0.0);
+        for to in std::iter::once(middle).chain(rim) {
+            sum.iter_mut().zip(passed(to)).for_each(|(sum, passed)| *sum += passed);
+            count += 1.0;
         }
-        value * f64::from(seen) / f64::from(count)
+        sum.map(|sum| value * sum / count)
     }
 
     /// The squared irradiance, times its area in m², of the shadows that obstacles may throw on a triangle with a unit
@@ -206,7 +223,7 @@ impl DirectLight {
         let area = 0.5 * (cell[1] - cell[0]).cross(cell[2] - cell[0]).length();
         let edge = area.sqrt();
         let mut sum = 0.0;
-        for (source, obstacles) in views.iter().filter(|view| !view.1.is_empty()) {
+        for (source, [obstacles, _]) in views.iter().filter(|view| !view.1[0].is_empty()) {
             let source = &self.emitters.sources[source as usize];
             let emitter = &source.emitter;
             let hull = emitter.hull();
@@ -261,10 +278,12 @@ impl DirectLight {
             if !self.aim(source, cell, normal, scratch) {
                 continue;
             }
-            let Scratch { shaft, found, .. } = scratch;
+            let Scratch { shaft, found, panes, .. } = scratch;
             found.clear();
+            panes.clear();
             if visibility {
                 self.obstacles.select(|bounds| shaft.meets(bounds), found);
+                self.glass.select(|bounds| shaft.meets(bounds), panes);
             }
             self.keep(source, scratch, &mut views);
         }
@@ -274,9 +293,9 @@ impl DirectLight {
     /// What a part of a cell may see, by what the whole may.
     pub fn narrowed(&self, views: &Views, cell: &[DVec3], normal: DVec3, scratch: &mut Scratch) -> Views {
         let mut narrowed = Views { anywhere: views.anywhere, ..Views::default() };
-        for (source, obstacles) in views.iter() {
-            if obstacles.is_empty() {
-                narrowed.sources.push((source, narrowed.obstacles.len() as u32));
+        for (source, [obstacles, panes]) in views.iter() {
+            if obstacles.is_empty() && panes.is_empty() {
+                narrowed.push(source);
                 continue;
             }
             if !self.aim(source, cell, normal, scratch) {
@@ -284,6 +303,8 @@ impl DirectLight {
             }
             scratch.found.clear();
             scratch.found.extend_from_slice(obstacles);
+            scratch.panes.clear();
+            scratch.panes.extend_from_slice(panes);
             self.keep(source, scratch, &mut narrowed);
         }
         narrowed
@@ -322,7 +343,9 @@ impl DirectLight {
             }
             views.obstacles.push(index);
         }
-        views.sources.push((source, views.obstacles.len() as u32));
+        let enters = |&&pane: &&u32| scratch.shaft.meets(&self.glass.panes().list[pane as usize].bounds);
+        views.panes.extend(scratch.panes.iter().filter(enters));
+        views.push(source);
     }
 
     /// Calls `add` with each basis and the irradiance that it gives at a point of the cell that `views` is of, W/m²
@@ -336,27 +359,30 @@ impl DirectLight {
         mut add: impl FnMut(u32, f64),
     ) {
         self.gather_sources(point, normal, views, scratch, |source, value| {
-            for share in source.shares.iter().filter(|share| share.factor > 0.0) {
-                add(share.basis, share.factor * value);
+            for share in &source.shares {
+                let value = share.of(value);
+                if value > 0.0 {
+                    add(share.basis, value);
+                }
             }
         });
     }
 
-    /// As [`Self::gather`], source by source: irradiance for a unit of what each sends.
+    /// As [`Self::gather`], source by source: irradiance for a unit of what each sends, in each band what glass leaves of it.
     pub(super) fn gather_sources(
         &self,
         point: DVec3,
         normal: DVec3,
         views: &Views,
         scratch: &mut Scratch,
-        mut add: impl FnMut(&Source, f64),
+        mut add: impl FnMut(&Source, [f64; 3]),
     ) {
         if views.is_sampled {
             return self.sample(point, normal, scratch, add);
         }
-        for (source, obstacles) in views.iter() {
-            let value = self.irradiance(source, (point, normal), obstacles, views.anywhere, scratch);
-            if value > 0.0 {
+        for (source, before) in views.iter() {
+            let value = self.irradiance(source, (point, normal), before, views.anywhere, scratch);
+            if value.iter().any(|&value| value > 0.0) {
                 add(&self.emitters.sources[source as usize], value);
             }
         }
@@ -366,17 +392,17 @@ impl DirectLight {
         &self,
         source: u32,
         (point, normal): (DVec3, DVec3),
-        obstacles: &[u32],
+        [obstacles, panes]: [&[u32]; 2],
         anywhere: bool,
         scratch: &mut Scratch,
-    ) -> f64 {
+    ) -> [f64; 3] {
         let emitter = &self.emitters.sources[source as usize].emitter;
-        let Scratch { clipper, fan, outline, relative, edges, beams, .. } = scratch;
+        let Scratch { clipper, fan, outline, relative, edges, beams, behind, .. } = scratch;
         edges.clear();
-        let Some(limit) = emitter.outline(point, outline) else { return 0.0 };
+        let Some(limit) = emitter.outline(point, outline) else { return [0.0; 3] };
         clipper.start(outline, normal);
         if clipper.is_empty() {
-            return 0.0;
+            return [0.0; 3];
         }
         beams.clear();
         beams.push((normal, 0.0));
@@ -388,7 +414,8 @@ impl DirectLight {
             let outline: Vec<DVec3> = clipper.fragments().flatten().copied().collect();
             let along = |share| if self.among_many { along_for(share * RAYS_AMONG_MANY) } else { RAYS };
             let share = self.share_by_rays(source, point, &outline, along);
-            return share * clipper.fragments().map(|f| emitter.irradiance(normal, f)).sum::<f64>();
+            let whole = clipper.fragments().map(|f| emitter.irradiance(normal, f)).sum::<f64>();
+            return share.map(|share| share * whole);
         }
         for &index in obstacles {
             if self.is_beside(index, point, beams) {
@@ -403,7 +430,7 @@ impl DirectLight {
             relative.extend(obstacle.corners.iter().map(|c| *c - point));
             clipper.subtract(relative, obstacle.plane, limit, self.thickness);
             if clipper.is_empty() {
-                return 0.0;
+                return [0.0; 3];
             }
             if clipper.count() > MOST_FRAGMENTS {
                 clipper.start(outline, normal);
@@ -418,10 +445,18 @@ impl DirectLight {
                     relative.extend(obstacle.corners.iter().map(|c| *c - point));
                     fan.add(relative, obstacle.plane, limit, self.thickness);
                 }
-                return fan.visible_share(normal) * emitter.irradiance(normal, &whole);
+                let share = fan.visible_share(normal);
+                behind.start(clipper.fragments());
+                behind.divide(&self.glass, panes, point, (limit, self.thickness));
+                return behind.irradiance(&self.glass, &**emitter, normal).map(|value| share * value);
             }
         }
-        clipper.fragments().map(|f| emitter.irradiance(normal, f)).sum()
+        if panes.is_empty() {
+            return [clipper.fragments().map(|f| emitter.irradiance(normal, f)).sum(); 3];
+        }
+        behind.start(clipper.fragments());
+        behind.divide(&self.glass, panes, point, (limit, self.thickness));
+        behind.irradiance(&self.glass, &**emitter, normal)
     }
 
     /// Whether an obstacle lies outside of one of the half-spaces that hold all between a point and an outline.
@@ -432,7 +467,13 @@ impl DirectLight {
     }
 
     /// As [`Self::gather`], of all emitters and by few rays: more to those that would give the more.
-    fn sample(&self, point: DVec3, normal: DVec3, scratch: &mut Scratch, mut add: impl FnMut(&Source, f64)) {
+    fn sample(
+        &self,
+        point: DVec3,
+        normal: DVec3,
+        scratch: &mut Scratch,
+        mut add: impl FnMut(&Source, [f64; 3]),
+    ) {
         let Scratch { clipper, outline, found, relative, shares, .. } = scratch;
         // 1. What each would give unhindered.
         found.clear();
@@ -464,28 +505,32 @@ impl DirectLight {
             let along = |share| along_for(share * rays);
             let share = match self.visibility {
                 true => self.share_by_rays(index, point, &relative[start..end], along),
-                false => 1.0,
+                false => [1.0; 3],
             };
-            if share > 0.0 {
-                add(&self.emitters.sources[index as usize], share * value);
-            }
+            add(&self.emitters.sources[index as usize], share.map(|share| share * value));
         }
     }
 
-    /// The share of an outline that is seen, by rays to grids over its triangles: so many `along` their edges, by
+    /// The share of an outline that is seen, in each band what glass leaves of it, by rays to grids over its triangles: so many `along` their edges, by
     /// their share of its area.
-    fn share_by_rays(&self, source: u32, point: DVec3, corners: &[DVec3], along: impl Fn(f64) -> u32) -> f64 {
+    fn share_by_rays(
+        &self,
+        source: u32,
+        point: DVec3,
+        corners: &[DVec3],
+        along: impl Fn(f64) -> u32,
+    ) -> [f64; 3] {
         let emitter = &self.emitters.sources[source as usize].emitter;
         let triangles =
             || (1..corners.len().saturating_sub(1)).map(|k| [corners[0], corners[k], corners[k + 1]]);
         let area_of = |[a, b, c]: [DVec3; 3]| (b - a).cross(c - a).length();
         let whole: f64 = triangles().map(area_of).sum();
-        let mut seen = 0.0;
+        let mut seen = [0.0; 3];
         for triangle in triangles() {
             let area = area_of(triangle);
             let [a, b, c] = triangle;
             let along = along(area / whole.max(f64::MIN_POSITIVE));
-            let mut open = 0;
+            let mut open = [0.0; 3];
             for i in 0..along * along {
                 // Square to triangle, evenly (Turk 1990).
                 let (u, v) = ((f64::from(i % along) + 0.5) / f64::from(along), f64::from(i / along) + 0.5);
@@ -494,11 +539,18 @@ impl DirectLight {
                 let hides = self.obstacles.hides(point, point + to, 5.0 * self.thickness, |obstacle| {
                     !emitter.is_part(obstacle.region)
                 });
-                open += u32::from(!hides);
+                if hides {
+                    continue;
+                }
+                let length = to.length();
+                let margin = 5.0 * self.thickness;
+                let passed = self.glass.along(point, to / length, [margin, length - margin]);
+                open.iter_mut().zip(passed).for_each(|(open, passed)| *open += passed);
             }
-            seen += area * f64::from(open) / f64::from(along * along);
+            let each = area / f64::from(along * along);
+            seen.iter_mut().zip(open).for_each(|(seen, open)| *seen += each * open);
         }
-        if whole > 0.0 { seen / whole } else { 0.0 }
+        if whole > 0.0 { seen.map(|seen| seen / whole) } else { [0.0; 3] }
     }
 
     /// Irradiance at a free point from everything, as [`Self::gather`] gives it; where `is_hidden`, of what surfaces

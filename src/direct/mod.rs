@@ -5,6 +5,7 @@
 //! and what is left is integrated in closed form. Half-planes stand in where that would leave too many fragments,
 //! rays where thousands of things may be in the way.
 
+mod behind;
 mod clip;
 mod elements;
 mod first_views;

@@ -4,13 +4,14 @@ use super::elements::{Element, ElementCorner, Elements, NO_ELEMENT};
 use super::focus::Focus;
 use super::layout::Layout;
 use super::light::{DirectLight, Scratch, Views};
-use crate::emitters::Source;
+use crate::emitters::{Share, Source};
 use crate::mesh::PatchMesh;
 use crate::watch::{Cancelled, Watch};
 use glam::DVec3;
 use rayon::prelude::*;
 use std::cell::RefCell;
 use std::collections::{HashMap, HashSet};
+use std::ops::Range;
 use std::sync::Arc;
 
 /// How finely direct light is divided.
@@ -65,8 +66,8 @@ pub(super) struct Refinement<'a> {
     light: &'a DirectLight,
     settings: &'a ElementSettings,
     pub(super) elements: Elements,
-    /// Where only some of the light is looked for, its basis: the rest is linear between the corners that there are.
-    only: Option<u32>,
+    /// Where only some of the light is looked for, its bases: the rest is linear between the corners that there are.
+    only: Option<Range<u32>>,
     /// What each element may see, and how wrong it is expected to be; of leaves alone.
     views: Vec<Arc<Views>>,
     /// Area of the element that these were looked for from, m².
@@ -183,15 +184,19 @@ fn edge_key(element: &Element, k: usize) -> (u32, u32) {
 
 pub(super) fn gathered(light: &DirectLight, point: DVec3, normal: DVec3, views: &Views) -> Found {
     let mut found = Found::default();
-    let mut add = |source: &Source, value: f64| {
-        for share in source.shares.iter().filter(|share| share.factor > 0.0) {
-            found.add(share.basis, (share.factor * value) as f32);
-        }
-        if let Some(part) = source.part {
+    let mut add = |source: &Source, value: [f64; 3]| {
+        let count = source.shares.len();
+        for (k, share) in source.shares.iter().enumerate() {
+            let own = share.of(value);
+            if own > 0.0 {
+                found.add(share.basis, own as f32);
+            }
+            let Some(key) = source.key(k) else { continue };
+            let whole = Share { factor: 1.0, ..*share }.of(value) as f32;
             // Those of a part stand together.
-            match found.parts.last_mut().filter(|last| last.0 == part) {
-                Some(last) => last.1 += value as f32,
-                None => found.parts.push((part, value as f32)),
+            match found.parts.iter_mut().rev().take(count).find(|part| part.0 == key) {
+                Some(part) => part.1 += whole,
+                None => found.parts.push((key, whole)),
             }
         }
     };
@@ -201,13 +206,13 @@ pub(super) fn gathered(light: &DirectLight, point: DVec3, normal: DVec3, views: 
 
 impl<'a> Refinement<'a> {
     /// Begins with elements that have their light. `views` tell what each may see, looked for from so large an area;
-    /// where there are no others than those of the basis `only`, the rest of the light is not looked for again.
+    /// where there are no others than those of the bases `only`, the rest of the light is not looked for again.
     pub(super) fn new(
         (mesh, light): (&PatchMesh, &'a DirectLight),
         settings: &'a ElementSettings,
         elements: Elements,
         (views, seen_from): (Vec<Arc<Views>>, Vec<f64>),
-        only: Option<u32>,
+        only: Option<Range<u32>>,
     ) -> Self {
         let open = settings.focus.map(|focus| focus.open(&elements, light)).unwrap_or_default();
         Self {
@@ -252,9 +257,9 @@ impl<'a> Refinement<'a> {
     /// What is found at a point beside the middle of an edge between two corners.
     fn look(&self, (corner, point): (&ElementCorner, DVec3), views: &Views, ends: [u32; 2]) -> Found {
         let mut found = gathered(self.light, point, corner.normal, views);
-        if let Some(only) = self.only {
+        if let Some(only) = &self.only {
             for &(basis, value) in ends.iter().flat_map(|&end| self.elements.light_at(end)) {
-                if basis != only {
+                if !only.contains(&basis) {
                     found.add(basis, 0.5 * value);
                 }
             }

@@ -43,11 +43,11 @@ impl SkyParts {
     }
 
     /// Calls `add` with each basis and what a corner has from the sky at an hour, by the shares of the parts then.
-    pub(super) fn light(&self, corner: usize, shares: &[Vec<Share>], mut add: impl FnMut(u32, f64)) {
+    pub(super) fn light(&self, corner: usize, shares: &[Option<Share>], mut add: impl FnMut(u32, f64)) {
         let Some(&scale) = self.scales.get(corner) else { return };
         for &(part, steps) in self.of(corner) {
             let value = f64::from(scale) * f64::from(steps);
-            for share in shares.get(usize::from(part)).into_iter().flatten() {
+            if let Some(Some(share)) = shares.get(usize::from(part)) {
                 add(share.basis, share.factor * value);
             }
         }
@@ -70,8 +70,8 @@ mod tests {
         let mut parts = SkyParts::default();
         parts.push(&[]);
         parts.push(&seen);
-        let shares: Vec<Vec<Share>> =
-            (0..128).map(|k| vec![Share { basis: 3, factor: 1.0 + f64::from(k) }]).collect();
+        let share = |k: u16| Share { basis: 3, factor: 1.0 + f64::from(k), band: None };
+        let shares: Vec<Option<Share>> = (0..128).map(|k| Some(share(k))).collect();
         let mut sum = 0.0;
         parts.light(1, &shares, |basis, value| {
             assert_eq!(basis, 3);

@@ -44,6 +44,19 @@ pub(super) struct Source {
     pub(super) element: u32,
 }
 
+/// A corner of a pane of glass, which is drawn over what lies behind it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PaneCorner {
+    /// Metres, relative to [`DisplayMesh::origin`].
+    pub position: Vec3,
+    /// Unit normal of its front.
+    pub normal: Vec3,
+    /// What passes along the normal, a band each.
+    pub tint: [f32; 3],
+    /// Whether it is drawn as seen from its front (bit 0) and from its back (bit 1): glass with a thickness once.
+    pub sides: u32,
+}
+
 /// A range of lit triangles that share a texture.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Batch {
@@ -83,6 +96,8 @@ pub struct DisplayMesh {
     pub batches: Vec<Batch>,
     /// The triangles of sides without a patch in `indices`.
     pub unlit: Range<u32>,
+    /// Triangles of the panes of glass, three corners each.
+    pub panes: Vec<PaneCorner>,
     /// Patch borders as pairs of lit corners, each border once a side.
     pub edges: Vec<[u32; 2]>,
     /// The corners of triangles, in their order: without elements of triangle t of [`PatchMesh::triangles`] at
@@ -129,6 +144,7 @@ impl DisplayMesh {
         };
         built.add_triangles(mesh, &places);
         built.add_edges(mesh, &places);
+        built.add_panes(mesh);
         built
     }
 
@@ -207,6 +223,21 @@ impl DisplayMesh {
         self.lit_corners = self.corners.len();
         self.add_sides(mesh, true, false, &mut places);
         places
+    }
+
+    fn add_panes(&mut self, mesh: &PatchMesh) {
+        let (triangles, owners) = mesh.panes.triangles();
+        for (triangle, owner) in triangles.iter().zip(owners) {
+            let pane = &mesh.panes.list[owner as usize];
+            let tint = mesh.panes.kinds[pane.kind as usize].transmittance(1.0).map(|share| share as f32);
+            let sides = u32::from(pane.dims[0]) | u32::from(pane.dims[1]) << 1;
+            self.panes.extend(triangle.map(|corner| PaneCorner {
+                position: (corner - self.origin).as_vec3(),
+                normal: pane.normal.as_vec3(),
+                tint,
+                sides,
+            }));
+        }
     }
 
     fn add_triangles(&mut self, mesh: &PatchMesh, places: &[u32]) {

@@ -19,6 +19,7 @@ pub use colour_map::{ColourMap, patch_colour};
 pub use detail::Detail;
 pub use even_light::{even_light, openness};
 pub use false_colour::{FalseColour, NO_VALUE, Tick, patch_illuminance, patch_luminance};
-pub use mesh::{Batch, DisplayCorner, DisplayMesh, Shading};
+pub use mesh::{Batch, DisplayCorner, DisplayMesh, PaneCorner, Shading};
 pub use sky_view::{Panorama, SkyLight, SkyView};
+pub(crate) use tone::MIDDLE_GREY;
 pub use tone::{Exposure, ToneMap, luminance, meter, srgb_decode, srgb_encode};

@@ -6,7 +6,7 @@ use std::f64::consts::PI;
 const SATURATION: f64 = 1.2;
 
 /// Where the geometric mean of what is metered comes to lie, in display-linear units.
-const MIDDLE_GREY: f64 = 0.3;
+pub(crate) const MIDDLE_GREY: f64 = 0.3;
 
 /// Where the brightest tenth of what is metered begins at most, in display-linear units.
 const HIGHLIGHTS: f64 = 0.85;

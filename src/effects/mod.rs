@@ -3,6 +3,7 @@
 //! Adding an effect is one file with a `find` function and one entry in [`Effect`].
 
 mod colour_bands;
+mod glass;
 mod smooth_surfaces;
 mod textures;
 mod two_sided;
@@ -25,12 +26,20 @@ pub enum Effect {
     Textures,
     /// Smooth shading across the facets of a curved surface.
     SmoothSurfaces,
+    /// Light that passes panes, by its angle; they are opaque otherwise.
+    Glass,
 }
 
 impl Effect {
     /// All effects, in the order in which a plan lists them.
-    pub const ALL: [Self; 5] =
-        [Self::Visibility, Self::ColourBands, Self::TwoSided, Self::Textures, Self::SmoothSurfaces];
+    pub const ALL: [Self; 6] = [
+        Self::Visibility,
+        Self::ColourBands,
+        Self::TwoSided,
+        Self::Textures,
+        Self::SmoothSurfaces,
+        Self::Glass,
+    ];
 
     /// The name that `--with` and `--without` take.
     pub fn name(self) -> &'static str {
@@ -40,6 +49,7 @@ impl Effect {
             Self::TwoSided => "two-sided",
             Self::Textures => "textures",
             Self::SmoothSurfaces => "smooth-surfaces",
+            Self::Glass => "glass",
         }
     }
 }
@@ -110,6 +120,7 @@ pub fn plan(scene: &Scene, mesh: &PatchMesh, choices: &EffectChoices) -> EffectP
                 Effect::TwoSided => two_sided::find(mesh),
                 Effect::Textures => textures::find(scene, mesh),
                 Effect::SmoothSurfaces => smooth_surfaces::find(mesh),
+                Effect::Glass => glass::find(scene, mesh),
             };
             finding.decide(effect, choices)
         })

@@ -13,6 +13,14 @@ pub(super) fn find(mesh: &PatchMesh) -> Finding {
     } else {
         format!("rays in place of lines, each through a tree over the {regions} regions")
     };
+    if !mesh.panes.is_empty() {
+        return Finding {
+            called_for: true,
+            reason: "panes of glass stand between surfaces".to_owned(),
+            evidence: format!("{} faces of glass", mesh.panes.list.len()),
+            predicted_cost,
+        };
+    }
     match (backs, blocker) {
         (0, None) => Finding {
             called_for: false,

@@ -3,7 +3,7 @@
 use super::outdoors::SkyPart;
 use super::{ConvexBody, Emitter, Face, OutdoorEmitter, PhotometricEmitter};
 use crate::mesh::{NO_PATCH, PatchMesh, Side};
-use crate::scene::PhotometricSource;
+use crate::scene::{PhotometricSource, luminance_weighted};
 use crate::visibility::THICKNESS;
 use glam::DVec3;
 use std::collections::{BTreeMap, HashMap};
@@ -32,6 +32,21 @@ pub struct Share {
     pub basis: u32,
     /// Its exitance for a unit of the basis.
     pub factor: f64,
+    /// The band by which tinted glass dims it; all bands, weighed by luminance, where glass has no tint.
+    pub band: Option<u8>,
+}
+
+impl Share {
+    /// What it brings of light of which glass leaves so much in each band.
+    pub fn of(&self, left: [f64; 3]) -> f64 {
+        let [red, green, blue] = left;
+        let value = match self.band {
+            Some(band) => left[usize::from(band)],
+            None if red == green && green == blue => red,
+            None => luminance_weighted(left),
+        };
+        self.factor * value
+    }
 }
 
 /// An emitter and where its light is kept.
@@ -45,6 +60,13 @@ pub struct Source {
     pub part: Option<u16>,
 }
 
+impl Source {
+    /// The number of what is seen of a part of the sky by one of its shares: glass leaves each band something else.
+    pub fn key(&self, share: usize) -> Option<u16> {
+        Some(self.part? * self.shares.len() as u16 + share as u16)
+    }
+}
+
 /// All that sends out light.
 #[derive(Clone, Debug, Default)]
 pub struct Emitters {
@@ -52,6 +74,8 @@ pub struct Emitters {
     pub bases: Vec<Basis>,
     /// What sends it out.
     pub sources: Vec<Source>,
+    /// Tinted glass colours it, so that each band is kept by itself.
+    by_band: bool,
 }
 
 /// The faces of one lamp that send out light of one colour.
@@ -108,7 +132,7 @@ impl Emitters {
                 colours[at].1.extend(polygons.into_iter().map(|polygon| (polygon, index as u32)));
             }
         }
-        let mut all = Self::default();
+        let mut all = Self { by_band: mesh.panes.is_tinted(), ..Self::default() };
         for (lamp, colours) in lamps {
             match photometric.remove(&lamp) {
                 _ if mesh.is_outdoors(lamp) => all.add_outdoors(lamp, mesh),
@@ -121,30 +145,30 @@ impl Emitters {
 
     fn add_outdoors(&mut self, lamp: u32, mesh: &PatchMesh) {
         let Some(outdoors) = &mesh.outdoors else { return };
-        let basis = self.bases.len() as u32;
-        self.bases.push(Basis { lamp, weight: [1.0; 3] });
+        let shares = self.one_or_each_band(lamp);
         if lamp == outdoors.sky {
             let parts = OutdoorEmitter::sky(outdoors, mesh.middle, mesh.size).into_iter();
             self.sources.extend(parts.map(|SkyPart { emitter, part, factor }| Source {
                 emitter: Arc::new(emitter),
-                shares: vec![Share { basis, factor }],
+                shares: shares.iter().map(|share| Share { factor, ..*share }).collect(),
                 part: Some(part),
             }));
         } else if let Some(sun) = OutdoorEmitter::sun(outdoors, mesh.middle, mesh.size) {
-            let shares = vec![Share { basis, factor: 1.0 }];
             self.sources.push(Source { emitter: Arc::new(sun), shares, part: None });
         }
     }
 
-    /// The shares of each part of the sky at the hour; empty without a sky.
-    pub fn parts(&self) -> Vec<Vec<Share>> {
-        let mut parts: Vec<Vec<Share>> = Vec::new();
+    /// What each part of the sky, share by share, counts at the hour: by [`Source::key`]. Empty without a sky.
+    pub fn parts(&self) -> Vec<Option<Share>> {
+        let mut parts: Vec<Option<Share>> = Vec::new();
         for source in &self.sources {
-            let Some(part) = source.part.map(usize::from) else { continue };
-            if parts.len() <= part {
-                parts.resize(part + 1, Vec::new());
+            for (k, share) in source.shares.iter().enumerate() {
+                let Some(key) = source.key(k).map(usize::from) else { continue };
+                if parts.len() <= key {
+                    parts.resize(key + 1, None);
+                }
+                parts[key] = Some(*share);
             }
-            parts[part].clone_from(&source.shares);
         }
         parts
     }
@@ -153,33 +177,40 @@ impl Emitters {
     #[must_use]
     pub fn keeping(&self, kept: impl Fn(&Source) -> bool) -> Self {
         let sources = self.sources.iter().filter(|source| kept(source)).cloned().collect();
-        Self { bases: self.bases.clone(), sources }
+        Self { sources, ..self.clone() }
     }
 
     fn add_photometric(&mut self, lamp: u32, sources: &[&PhotometricSource], regions: &[u32], size: f64) {
-        let shares = vec![Share { basis: self.bases.len() as u32, factor: 1.0 }];
-        self.bases.push(Basis { lamp, weight: [1.0; 3] });
+        let shares = self.one_or_each_band(lamp);
         self.sources.extend(sources.iter().map(|&source| {
             let emitter = PhotometricEmitter::new(source.clone(), regions.to_vec(), THICKNESS * size, size);
             Source { emitter: Arc::new(emitter), shares: shares.clone(), part: None }
         }));
     }
 
+    /// Bases of a lamp of one colour: one, or one for each band.
+    fn one_or_each_band(&mut self, lamp: u32) -> Vec<Share> {
+        let first = self.bases.len() as u32;
+        if !self.by_band {
+            self.bases.push(Basis { lamp, weight: [1.0; 3] });
+            return vec![Share { basis: first, factor: 1.0, band: None }];
+        }
+        self.bases.extend((0..3).map(|b| Basis { lamp, weight: band(b) }));
+        (0..3).map(|b| Share { basis: first + b, factor: 1.0, band: Some(b as u8) }).collect()
+    }
+
     fn add(&mut self, lamp: u32, colours: Coloured, thickness: f64) {
         let first = self.bases.len() as u32;
-        let is_one = colours.len() == 1;
+        let is_one = colours.len() == 1 && !self.by_band;
         match is_one {
             true => self.bases.push(Basis { lamp, weight: colours[0].0 }),
-            false => {
-                let band = |b: usize| std::array::from_fn(|k| f64::from(u8::from(k == b)));
-                self.bases.extend((0..3).map(|b| Basis { lamp, weight: band(b) }));
-            }
+            false => self.bases.extend((0..3).map(|b| Basis { lamp, weight: band(b) })),
         }
         for (weight, faces) in colours {
             let shares: Vec<Share> = match is_one {
-                true => vec![Share { basis: first, factor: 1.0 }],
+                true => vec![Share { basis: first, factor: 1.0, band: None }],
                 false => (0..3)
-                    .map(|b| Share { basis: first + b as u32, factor: weight[b] })
+                    .map(|b| Share { basis: first + b as u32, factor: weight[b], band: Some(b as u8) })
                     .filter(|share| share.factor > 0.0)
                     .collect(),
             };
@@ -198,6 +229,11 @@ impl Emitters {
             }
         }
     }
+}
+
+/// One in a band, 0 in the others.
+fn band(index: u32) -> [f64; 3] {
+    std::array::from_fn(|k| f64::from(u8::from(k as u32 == index)))
 }
 
 /// Faces that are joined by corners, group by group in the order of their first faces.

@@ -5,7 +5,7 @@ use super::ray_rows::without_dark;
 use super::row::RowBuffer;
 use crate::geometry::Frame;
 use crate::mesh::{Backing, NO_PATCH, PatchMesh};
-use crate::visibility::{THICKNESS, Viewer};
+use crate::visibility::{Glass, THICKNESS, Viewer};
 use glam::DVec3;
 
 /// The top and four half faces.
@@ -84,7 +84,7 @@ impl Hemicube {
     pub fn gather(
         &self,
         sampler: &mut HemicubeSampler,
-        mesh: &PatchMesh,
+        (mesh, glass): (&PatchMesh, &Glass),
         point: DVec3,
         frame: &Frame,
         viewer: Viewer,
@@ -93,17 +93,35 @@ impl Hemicube {
         let mut dark = 0.0;
         for face in 0..FACES {
             self.draw(sampler, mesh, point, frame, face);
-            for (&patch, &delta) in sampler.items.iter().zip(self.deltas(face)) {
+            for (cell, (&patch, &delta)) in sampler.items.iter().zip(self.deltas(face)).enumerate() {
                 match patch {
                     DARK => dark += delta,
                     NO_PATCH => {}
-                    patch => row.add(patch, delta),
+                    patch if glass.is_empty() => row.add(patch, delta),
+                    patch => {
+                        // A cell that was closed from its neighbour has no depth, and is behind whatever it meets.
+                        let to = self.towards(face, cell, frame);
+                        let distance = to.length() / sampler.depths[cell].max(f64::MIN_POSITIVE);
+                        let passed =
+                            glass.luminous(point, to.normalize_or_zero(), [1e-7 * mesh.size, distance]);
+                        row.add(patch, delta * passed);
+                    }
                 }
             }
         }
         if viewer == Viewer::LitSurface {
             row.scale(without_dark(dark));
         }
+    }
+
+    /// The direction of the middle of a cell of a face, as long as its outward part is 1.
+    fn towards(&self, face: usize, cell: usize, frame: &Frame) -> DVec3 {
+        let n = self.resolution;
+        let (right, rise, out) = axes(face, frame);
+        let lowest = if face == 0 { -1.0 } else { 0.0 };
+        let scale = 2.0 / n as f64;
+        let (x, y) = ((cell % n) as f64 + 0.5, (cell / n) as f64 + 0.5);
+        out + right * (scale * x - 1.0) + rise * (scale * y + lowest)
     }
 
     /// Draws what `point` sees through one face into the sampler's item buffer, row by row.
@@ -121,9 +139,7 @@ impl Hemicube {
     ) {
         let n = self.resolution;
         let contact = 1e-9 * mesh.size;
-        let (t, b, up) = (frame.tangent, frame.bitangent, frame.normal);
-        // Axes of each face: right, down the rows, outwards.
-        let (right, rise, out) = [(t, b, up), (t, up, b), (t, up, -b), (b, up, t), (b, up, -t)][face];
+        let (right, rise, out) = axes(face, frame);
         let rows = if face == 0 { n } else { n / 2 };
         sampler.items.clear();
         sampler.items.resize(rows * n, NO_PATCH);
@@ -159,6 +175,12 @@ impl Hemicube {
     pub(super) fn deltas(&self, face: usize) -> &[f64] {
         if face == 0 { &self.top } else { &self.side }
     }
+}
+
+/// Axes of a face: right, down the rows, outwards.
+fn axes(face: usize, frame: &Frame) -> (DVec3, DVec3, DVec3) {
+    let (t, b, up) = (frame.tangent, frame.bitangent, frame.normal);
+    [(t, b, up), (t, up, b), (t, up, -b), (b, up, t), (b, up, -t)][face]
 }
 
 impl HemicubeSampler {

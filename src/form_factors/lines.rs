@@ -17,10 +17,12 @@
 //! coordinates times it are linear in x. An edge seen from the receiver has cot(theta) =
 //! p cos(phi) + q sin(phi), with p and q from the cross product of its ends: no division a crossing.
 
+mod dimmed;
+
 use super::row::RowBuffer;
 use crate::geometry::Frame;
 use crate::mesh::{NO_PATCH, Side};
-use crate::visibility::{Cell, Occluders, Viewer};
+use crate::visibility::{Cell, Glass, Occluders, Viewer};
 use glam::DVec3;
 use std::f64::consts::TAU;
 
@@ -91,6 +93,8 @@ struct Seen {
     /// Sums of its intervals and of the visible ones among them.
     total: f64,
     visible: f64,
+    /// Of a pane its index, and the receiver's height below its plane, metres.
+    pane: Option<(u32, f64)>,
 }
 
 /// Where a row is gathered.
@@ -113,11 +117,15 @@ pub struct LineSampler {
     azimuth: Vec<f64>,
     seen: Vec<Seen>,
     lines: Vec<Vec<Interval>>,
+    /// Cuts with panes of glass, which hide nothing.
+    panes: Vec<Vec<Interval>>,
     /// Crossings of the present region, `stride` slots a half-plane.
     crossings: Vec<f64>,
     counts: Vec<u32>,
     touched: Vec<u32>,
     active: Vec<Interval>,
+    /// Those of the half-plane at hand.
+    before: Vec<Interval>,
     /// Patch, weight and region of every visible part.
     pieces: Vec<(u32, f64, u32)>,
     /// Regions that may be seen from the present point.
@@ -138,7 +146,7 @@ impl LineSampler {
     /// it adds the form factors to their patches to the row and returns their sum.
     pub fn gather(
         &mut self,
-        scene: &Occluders,
+        (scene, glass): (&Occluders, &Glass),
         fan: &Fan,
         from: &Viewpoint,
         row: &mut RowBuffer,
@@ -149,9 +157,9 @@ impl LineSampler {
         let frame = from.frame.turned(turn * TAU / n as f64);
         self.seen.clear();
         self.missed.clear();
-        self.lines.resize_with(n, Vec::new);
-        for line in &mut self.lines {
-            line.clear();
+        for lines in [&mut self.lines, &mut self.panes] {
+            lines.resize_with(n, Vec::new);
+            lines.iter_mut().for_each(Vec::clear);
         }
         if self.counts.len() < n {
             self.counts.resize(n, 0);
@@ -160,14 +168,16 @@ impl LineSampler {
         let near = [scene.contact(), scene.thickness()];
         scene.culling.candidates(point, frame.normal, near, &mut candidates);
         for &index in &candidates {
-            self.cut_region(scene, fan, index as usize, (point, viewer), &frame);
+            self.cut_region((scene, glass), fan, index as usize, (point, viewer), &frame);
         }
         self.candidates = candidates;
         let per_line = 1.0 / n as f64;
         self.pieces.clear();
         for k in 0..n {
             let mut line = std::mem::take(&mut self.lines[k]);
-            self.sweep(scene, &mut line, fan.directions[k]);
+            std::mem::swap(&mut self.before, &mut self.panes[k]);
+            self.sweep((scene, glass), &mut line, fan.directions[k]);
+            std::mem::swap(&mut self.before, &mut self.panes[k]);
             self.lines[k] = line;
         }
         // The lines' own error on a whole region is known, and is taken out of its visible part.
@@ -216,7 +226,7 @@ impl LineSampler {
     /// Finds the intervals of one region on all half-planes.
     fn cut_region(
         &mut self,
-        scene: &Occluders,
+        (scene, glass): (&Occluders, &Glass),
         fan: &Fan,
         index: usize,
         (point, viewer): (DVec3, Viewer),
@@ -233,7 +243,10 @@ impl LineSampler {
         let side = if to_plane < 0.0 { Side::Front } else { Side::Back };
         let passed_over = viewer == Viewer::LitSurface && region.dark[side as usize];
         let is_edge_on = to_plane.is_nan() || to_plane.abs() <= contact;
-        if is_edge_on || passed_over || scene.is_covered(region, to_plane, frame.normal) {
+        // What panes leave of the light between a receiver and what lies behind them.
+        let is_clear = |pane: u32| !glass.panes().list[pane as usize].dims[side as usize];
+        let is_covered = || scene.is_covered(region, to_plane, frame.normal);
+        if is_edge_on || passed_over || region.pane.is_some_and(is_clear) || is_covered() {
             return;
         }
         // 2. Corners in the receiver's frame, with their azimuth counted in half-planes.
@@ -328,7 +341,7 @@ impl LineSampler {
             let [cos, sin] = fan.directions[k];
             let radial = normal.x * cos + normal.y * sin;
             let (w0, w1) = ((radial + normal.z) * inverse, (radial - normal.z) * inverse);
-            let line = &mut self.lines[k];
+            let line = if region.pane.is_some() { &mut self.panes[k] } else { &mut self.lines[k] };
             let mut push = |start: f64, end: f64| {
                 if end - start > SHORTEST {
                     total += weight_of(end) - weight_of(start);
@@ -357,8 +370,9 @@ impl LineSampler {
         // intervals may stay behind without it.
         let is_seen = total > 0.0;
         if !is_seen {
+            let lines = if region.pane.is_some() { &mut self.panes } else { &mut self.lines };
             for &k in &self.touched {
-                let line = &mut self.lines[k as usize];
+                let line = &mut lines[k as usize];
                 while line.last().is_some_and(|interval| interval.seen == seen) {
                     line.pop();
                 }
@@ -383,11 +397,12 @@ impl LineSampler {
             met: self.touched.len() as u32,
             total,
             visible: 0.0,
+            pane: region.pane.map(|pane| (pane, to_plane)),
         });
     }
 
     /// Finds the visible spans of one half-plane and hands them to their patches.
-    fn sweep(&mut self, scene: &Occluders, line: &mut [Interval], direction: [f64; 2]) {
+    fn sweep(&mut self, scene: (&Occluders, &Glass), line: &mut [Interval], direction: [f64; 2]) {
         line.sort_unstable_by(|a, b| a.start.total_cmp(&b.start).then(a.seen.cmp(&b.seen)));
         self.active.clear();
         let mut next = 0;
@@ -461,7 +476,7 @@ impl LineSampler {
     /// Cuts a visible span where it crosses grid lines, and gives each part to its patch.
     fn resolve(
         &mut self,
-        scene: &Occluders,
+        (scene, glass): (&Occluders, &Glass),
         interval: &Interval,
         start: f64,
         end: f64,
@@ -517,7 +532,8 @@ impl LineSampler {
                 Cell::Whole(patches) => {
                     let patch = patches[side];
                     if patch != NO_PATCH {
-                        self.pieces.push((patch, to_weight - weight, interval.seen));
+                        let share = self.dimmed(glass, interval, [x, to], to_weight - weight);
+                        self.pieces.push((patch, share, interval.seen));
                     }
                 }
                 Cell::Split([first, end_piece]) => {
@@ -541,7 +557,9 @@ impl LineSampler {
                             }
                         }
                         if high > low {
-                            self.pieces.push((patch, weight_of(high) - weight_of(low), interval.seen));
+                            let weight = weight_of(high) - weight_of(low);
+                            let share = self.dimmed(glass, interval, [low, high], weight);
+                            self.pieces.push((patch, share, interval.seen));
                         }
                     }
                 }

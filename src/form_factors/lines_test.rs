@@ -25,6 +25,7 @@ fn occluders(quads: &[[DVec3; 4]]) -> Occluders {
             emits: [false; 2],
             dark: [false; 2],
             backing: crate::mesh::Backing::None,
+            pane: None,
         });
     }
     let boxes: Vec<(DVec3, DVec3)> = all.regions.iter().map(|r| (r.middle, r.half)).collect();
@@ -39,7 +40,7 @@ fn row(quads: &[[DVec3; 4]]) -> Vec<(u32, f64)> {
     let frame = Frame::along(DVec3::Z, DVec3::X);
     let from = Viewpoint { point: DVec3::ZERO, frame, turn: 0.3, viewer: Viewer::LitSurface };
     let scene = occluders(quads);
-    sampler.gather(&scene, &Fan::new(64), &from, &mut row, |_, _| 0.0);
+    sampler.gather((&scene, &Glass::default()), &Fan::new(64), &from, &mut row, |_, _| 0.0);
     let known = sampler.seen.len() as u32;
     assert!(sampler.lines.iter().flatten().all(|interval| interval.seen < known), "a dangling interval");
     let mut found = Vec::new();

@@ -21,10 +21,10 @@ pub(super) fn gather(
     let mut dark = 0.0;
     for k in 0..count {
         let direction = frame.world(cosine_direction(k, count, turn));
-        match scene.seen(point, direction) {
-            Some((NO_PATCH, true)) => dark += each,
-            Some((NO_PATCH, false)) | None => {}
-            Some((patch, _)) => row.add(patch, each),
+        match scene.seen_through_glass(point, direction) {
+            Some((NO_PATCH, true, _)) => dark += each,
+            Some((NO_PATCH, false, _)) | None => {}
+            Some((patch, _, passed)) => row.add(patch, each * passed),
         }
     }
     if viewer == Viewer::LitSurface {

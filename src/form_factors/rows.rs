@@ -157,6 +157,14 @@ impl RowComputer {
         })
     }
 
+    /// The same as if there were no panes of glass: light passes where they are as through a hole.
+    pub fn without_glass(&self) -> Self {
+        let mut without = self.clone();
+        without.occluders.leave_out_panes();
+        without.rays.leave_out_panes();
+        without
+    }
+
     /// How many rows it has computed so far, at patches and at free points.
     pub fn rows_computed(&self) -> u64 {
         self.computed.load(Ordering::Relaxed)
@@ -385,14 +393,16 @@ impl RowComputer {
                     Purpose::Lamp => &fans.fine,
                 };
                 let from = Viewpoint { point, frame, turn, viewer };
-                scratch.lines.gather(&self.occluders, fan, &from, &mut scratch.row, |region, row| {
+                let scene = (&self.occluders, self.rays.glass());
+                scratch.lines.gather(scene, fan, &from, &mut scratch.row, |region, row| {
                     self.add_by_rays(region, point, frame.normal, row)
                 });
             }
             Sampler::Hemicube(cube, turned) => {
                 // Turned, edges do not run along rows of cells.
                 let frame = if *turned { frame.turned(turn * std::f64::consts::TAU) } else { frame };
-                cube.gather(&mut scratch.hemicube, &self.mesh, point, &frame, viewer, &mut scratch.row);
+                let scene = (&*self.mesh, self.rays.glass());
+                cube.gather(&mut scratch.hemicube, scene, point, &frame, viewer, &mut scratch.row);
             }
             Sampler::Rays(count) => {
                 let count = match purpose {
@@ -416,7 +426,7 @@ impl RowComputer {
                 && self.rays.visible(point, patch.centre)
             {
                 let value = self.unoccluded(point, normal, index);
-                row.add(index, value);
+                row.add(index, value * self.rays.passed(point, patch.centre));
                 sum += value;
             }
         }

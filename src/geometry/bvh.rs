@@ -212,6 +212,14 @@ impl Bvh {
         }
     }
 
+    /// Calls `found` for all triangles that the ray meets with `min < distance < max`, in no order.
+    pub fn each(&self, ray: &Ray, min: f64, max: f64, mut found: impl FnMut(Hit)) {
+        self.walk(ray, min, max, |hit| {
+            found(hit);
+            Some(max)
+        });
+    }
+
     /// Calls `found` for each nearer and nearer hit; it returns the new limit, or `None` to stop.
     fn walk(&self, ray: &Ray, min: f64, mut max: f64, mut found: impl FnMut(Hit) -> Option<f64>) {
         if self.nodes.is_empty() {

@@ -40,6 +40,8 @@ pub struct MeshSettings {
     pub backs: Backs,
     /// Whether reflectances follow textures (see [`crate::effects::Effect::Textures`]).
     pub textures: bool,
+    /// Whether light passes glass (see [`crate::effects::Effect::Glass`]); it is opaque otherwise.
+    pub glass: bool,
     /// Where patches are to be smaller than elsewhere.
     pub refinement: Option<Arc<Refinement>>,
 }
@@ -58,7 +60,13 @@ pub enum Backs {
 
 impl Default for MeshSettings {
     fn default() -> Self {
-        Self { target: PatchTarget::Auto, backs: Backs::Reached, textures: true, refinement: None }
+        Self {
+            target: PatchTarget::Auto,
+            backs: Backs::Reached,
+            textures: true,
+            glass: true,
+            refinement: None,
+        }
     }
 }
 
@@ -162,7 +170,8 @@ pub fn build_on(
     let photometric = scene.photometric_sources();
     let outdoors = scene.outdoors.clone().map(Arc::new);
     let middle = scene.extent().main.centre();
-    let mut mesh = PatchMesh { size, photometric, outdoors, middle, ..PatchMesh::default() };
+    let panes = Arc::clone(&survey.panes);
+    let mut mesh = PatchMesh { size, photometric, outdoors, middle, panes, ..PatchMesh::default() };
     let contacts = Contacts::new(if as_given { &[] } else { outlines }, size, watch.cancelled())?;
     let mut cutting = watch.part(0.0, CUT);
     for (index, outline) in outlines.iter().enumerate() {

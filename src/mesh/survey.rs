@@ -2,6 +2,7 @@
 
 use super::backing::{Backing, Sheets};
 use super::build::{Backs, MeshError, MeshSettings, PatchTarget};
+use super::panes::Panes;
 use super::reach::{LightSearch, Reach};
 use super::regions::{self, Outline};
 use super::sources::Sources;
@@ -35,6 +36,7 @@ pub struct Survey {
     pub(super) outlines: Arc<[Outline]>,
     /// Surfaces dropped for want of area.
     pub(super) dropped: usize,
+    pub(super) panes: Arc<Panes>,
     pub(super) sheets: Sheets,
     pub(super) sources: Sources,
     /// How front and back of each outline stand to light.
@@ -43,6 +45,7 @@ pub struct Survey {
     pub(super) size: f64,
     as_given: bool,
     backs: Backs,
+    glass: bool,
 }
 
 impl std::fmt::Debug for Survey {
@@ -66,6 +69,7 @@ impl Survey {
         let size = extent.scale;
         let as_given = settings.target == PatchTarget::AsGiven;
         let (mut outlines, dropped) = regions::join(scene, size, as_given, &mut watch.part(0.0, JOINED))?;
+        let panes = if settings.glass { Panes::take(scene, &mut outlines, size) } else { Panes::default() };
         if outlines.is_empty() {
             return Err(MeshError::Empty);
         }
@@ -91,12 +95,16 @@ impl Survey {
                 reached[Side::Back as usize] = Reach::Backed;
             }
         }
-        Ok(Self { outlines, dropped, sheets, sources, reached, size, as_given, backs: settings.backs })
+        let MeshSettings { backs, glass, .. } = *settings;
+        let panes = Arc::new(panes);
+        Ok(Self { outlines, dropped, panes, sheets, sources, reached, size, as_given, backs, glass })
     }
 
     /// Whether a mesh of the same scene with these settings rests on this.
     pub fn serves(&self, settings: &MeshSettings) -> bool {
-        self.as_given == (settings.target == PatchTarget::AsGiven) && self.backs == settings.backs
+        self.as_given == (settings.target == PatchTarget::AsGiven)
+            && self.backs == settings.backs
+            && self.glass == settings.glass
     }
 
     /// For each outline whether its front and its back are active.

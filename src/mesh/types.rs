@@ -1,6 +1,7 @@
 use super::backing::Backing;
 use super::clusters::Clusters;
 use super::convex_parts::ConvexParts;
+use super::panes::Panes;
 use crate::geometry::{Aabb, Frame};
 use crate::scene::{Outdoors, PhotometricSource, grouped};
 use glam::{DVec2, DVec3};
@@ -164,6 +165,8 @@ pub struct PatchMesh {
     /// Luminaires that shine by their photometry, lamp by lamp: the patches of these lamps glow in the picture and
     /// light nothing.
     pub photometric: Vec<PhotometricSource>,
+    /// Surfaces of glass, which are no regions.
+    pub panes: Arc<Panes>,
     /// The sky over the scene and the sun in it, where there is daylight.
     pub outdoors: Option<Arc<Outdoors>>,
     /// The middle of the main part of the scene, metres.

@@ -83,6 +83,8 @@ impl Obstacles {
     /// What lies far away from the rest cannot be walked to, and would make the cells too large.
     pub fn of_mesh(mesh: &PatchMesh, up: DVec3, extent: &Extent) -> Self {
         let mut triangles = mesh.triangles().0;
+        // Nobody walks through glass.
+        triangles.extend(mesh.panes.triangles().0);
         triangles.retain(|triangle| extent.holds(&Aabb::around(*triangle)));
         Self::new(triangles, up)
     }

@@ -1,6 +1,7 @@
 use crate::geometry::{Bvh, Ray};
 use crate::mesh::{NO_PATCH, PatchMesh, Side};
 use crate::navigation::Camera;
+use crate::visibility::Glass;
 use glam::{DVec2, DVec3};
 
 /// What a ray meets.
@@ -32,6 +33,8 @@ pub struct Picker {
     pieces: Vec<u32>,
     /// Patches on the front and back of each piece, and its front's normal.
     sides: Vec<([u32; 2], DVec3)>,
+    /// Panes, which are looked through.
+    glass: Glass,
 }
 
 impl Picker {
@@ -43,6 +46,7 @@ impl Picker {
             bvh: Bvh::build(&triangles),
             pieces,
             sides: mesh.pieces.iter().map(|p| (p.patches, normal(p.region))).collect(),
+            glass: Glass::new(mesh),
         }
     }
 
@@ -54,6 +58,11 @@ impl Picker {
             patches[side_towards(normal, ray.direction) as usize] != NO_PATCH
         };
         self.bvh.nearest_where(ray, 0.0, f64::INFINITY, accept).map(|hit| self.describe(ray, hit))
+    }
+
+    /// The panes of glass of the mesh.
+    pub fn glass(&self) -> &Glass {
+        &self.glass
     }
 
     /// The nearest surface within `max` multiples of the direction, whether or not it has a patch:

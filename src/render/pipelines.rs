@@ -36,7 +36,17 @@ pub(super) struct CornerVertex {
     pub(super) patch: u32,
 }
 
-/// What a pipeline draws. All of them read the static corners from slot 0.
+/// A corner of a pane in its vertex buffer: the arguments of `vs_pane` of scene.wgsl.
+#[repr(C)]
+#[derive(Clone, Copy, Debug, bytemuck::Pod, bytemuck::Zeroable)]
+pub(super) struct PaneVertex {
+    pub(super) position: [f32; 3],
+    pub(super) normal: [f32; 3],
+    pub(super) tint: [f32; 3],
+    pub(super) sides: u32,
+}
+
+/// What a pipeline draws. All but those of panes read the static corners from slot 0.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(super) enum Pass {
     /// Radiosities from slot 1.
@@ -55,6 +65,10 @@ pub(super) enum Pass {
     LinesOnLit,
     /// Patch borders over anything else.
     Lines,
+    /// Panes of glass, which dim what lies behind them.
+    PaneDims,
+    /// What panes mirror, on top.
+    PaneShines,
 }
 
 impl Pass {
@@ -69,11 +83,31 @@ impl Pass {
             Self::LinesOnLit => ("vs_line", "fs_line_on_lit"),
             // The light in slot 1 is bound and not used.
             Self::Lines => ("vs_line", "fs_line"),
+            Self::PaneDims => ("vs_pane", "fs_pane_dims"),
+            Self::PaneShines => ("vs_pane", "fs_pane_shines"),
         }
     }
 
     fn is_lines(self) -> bool {
         matches!(self, Self::LinesOnLit | Self::Lines)
+    }
+
+    pub(super) fn is_pane(self) -> bool {
+        matches!(self, Self::PaneDims | Self::PaneShines)
+    }
+
+    /// How it mixes with the picture so far; in place of it where it is `None`.
+    fn blend(self) -> Option<wgpu::BlendState> {
+        let both = |src_factor, dst_factor| {
+            let part = wgpu::BlendComponent { src_factor, dst_factor, operation: wgpu::BlendOperation::Add };
+            wgpu::BlendState { color: part, alpha: part }
+        };
+        match self {
+            _ if self.is_lines() => Some(wgpu::BlendState::ALPHA_BLENDING),
+            Self::PaneDims => Some(both(wgpu::BlendFactor::Zero, wgpu::BlendFactor::Src)),
+            Self::PaneShines => Some(both(wgpu::BlendFactor::One, wgpu::BlendFactor::One)),
+            _ => None,
+        }
     }
 
     fn takes_light(self) -> bool {
@@ -253,7 +287,13 @@ fn scene_pipeline(
         step_mode: wgpu::VertexStepMode::Vertex,
         attributes: &wgpu::vertex_attr_array![5 => Float32],
     };
-    let mut buffers = vec![Some(corner)];
+    let pane = wgpu::VertexBufferLayout {
+        array_stride: size_of::<PaneVertex>() as u64,
+        step_mode: wgpu::VertexStepMode::Vertex,
+        attributes: &wgpu::vertex_attr_array![0 => Float32x3, 1 => Float32x3, 2 => Float32x3, 3 => Uint32],
+    };
+    let mut buffers = vec![Some(if pass.is_pane() { pane } else { corner })];
+    let is_solid = !pass.is_lines() && !pass.is_pane();
     if pass.takes_light() {
         buffers.push(Some(light));
     } else if pass == Pass::FalseColour {
@@ -275,16 +315,16 @@ fn scene_pipeline(
             } else {
                 wgpu::PrimitiveTopology::TriangleList
             },
-            cull_mode: (!pass.is_lines()).then_some(wgpu::Face::Back),
+            cull_mode: is_solid.then_some(wgpu::Face::Back),
             ..Default::default()
         },
         depth_stencil: Some(wgpu::DepthStencilState {
             format: DEPTH_FORMAT,
-            depth_write_enabled: Some(!pass.is_lines()),
+            depth_write_enabled: Some(is_solid),
             // Depth is reversed: nearer is greater.
             depth_compare: Some(wgpu::CompareFunction::Greater),
             stencil: wgpu::StencilState::default(),
-            bias: if key.stands_back && !pass.is_lines() {
+            bias: if key.stands_back && is_solid {
                 wgpu::DepthBiasState { constant: -4, slope_scale: -1.5, clamp: 0.0 }
             } else {
                 wgpu::DepthBiasState::default()
@@ -300,7 +340,7 @@ fn scene_pipeline(
             },
             targets: &[Some(wgpu::ColorTargetState {
                 format: PICTURE_FORMAT,
-                blend: pass.is_lines().then_some(wgpu::BlendState::ALPHA_BLENDING),
+                blend: pass.blend(),
                 write_mask: wgpu::ColorWrites::ALL,
             })],
         }),
@@ -342,6 +382,8 @@ mod tests {
             Pass::Unlit,
             Pass::LinesOnLit,
             Pass::Lines,
+            Pass::PaneDims,
+            Pass::PaneShines,
         ] {
             let (vertex, fragment) = pass.entry_points();
             assert!(SCENE.contains(&format!("@vertex fn {vertex}(")), "{vertex}");

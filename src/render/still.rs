@@ -1,5 +1,5 @@
 use super::{Pick, Picker};
-use crate::display::{DisplayMesh, Exposure, SkyView, ToneMap, srgb_encode};
+use crate::display::{DisplayMesh, Exposure, MIDDLE_GREY, SkyView, ToneMap, srgb_encode};
 use crate::mesh::NO_PATCH;
 use crate::navigation::Camera;
 use crate::scene::Texture;
@@ -149,23 +149,26 @@ impl StillInput<'_> {
         for sample in 0..samples * samples {
             let at = DVec2::new((sample % samples).into(), (sample / samples).into()) + 0.5;
             let ray = camera.ray(corner + at / f64::from(samples), size_px);
-            let radiosity = match (self.picker.pick(&ray), self.sky) {
+            let (behind, distance) = match (self.picker.pick(&ray), self.sky) {
                 (Some(pick), _) => {
                     pixel.coverage += share;
-                    self.radiosity(&pick)
+                    (self.radiosity(&pick), pick.distance)
                 }
-                (None, Some(sky)) => sky.radiosity(ray.direction),
+                (None, Some(sky)) => (sky.radiosity(ray.direction), f64::INFINITY),
                 (None, None) => {
                     add(&mut pixel.display, options.background, share);
                     continue;
                 }
             };
+            let glass = self.picker.glass();
+            let passed = glass.along(ray.origin, ray.direction, [0.0, distance]);
+            let radiosity: [f32; 3] = std::array::from_fn(|b| behind[b] * passed[b] as f32);
             add(&mut pixel.radiance, radiosity, share / PI);
-            add(
-                &mut pixel.display,
-                options.tone_map.apply(std::array::from_fn(|b| radiosity[b] * factors[b])),
-                share,
-            );
+            // As in the window: what a pane mirrors looks middling grey.
+            let sheen =
+                MIDDLE_GREY as f32 * glass.mirrored(ray.origin, ray.direction, [0.0, distance]) as f32;
+            let exposed = std::array::from_fn(|b| radiosity[b] * factors[b] + sheen);
+            add(&mut pixel.display, options.tone_map.apply(exposed), share);
         }
         pixel
     }

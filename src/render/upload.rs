@@ -1,4 +1,4 @@
-use super::pipelines::CornerVertex;
+use super::pipelines::{CornerVertex, PaneVertex};
 use super::sky::{SkyBindings, UploadedSky};
 use super::textures;
 use crate::display::{Batch, DisplayMesh};
@@ -35,6 +35,9 @@ pub struct UploadedMesh {
     pub(super) unlit: Range<u32>,
     pub(super) edges: wgpu::Buffer,
     pub(super) edge_indices: u32,
+    /// Triangles of panes, and how many corners they have.
+    pub(super) panes: wgpu::Buffer,
+    pub(super) pane_corners: u32,
     /// One for each of the scene's textures.
     pub(super) textures: Vec<wgpu::BindGroup>,
     pub(super) sky: Option<UploadedSky>,
@@ -132,6 +135,16 @@ impl MeshUploader {
                 usage,
             })
         };
+        let panes: Vec<PaneVertex> = mesh
+            .panes
+            .iter()
+            .map(|c| PaneVertex {
+                position: c.position.to_array(),
+                normal: c.normal.to_array(),
+                tint: c.tint,
+                sides: c.sides,
+            })
+            .collect();
         let (vertex, index) = (wgpu::BufferUsages::VERTEX, wgpu::BufferUsages::INDEX);
         let largest = self.device.limits().max_texture_dimension_2d;
         Ok(UploadedMesh {
@@ -146,6 +159,8 @@ impl MeshUploader {
             unlit: mesh.unlit.clone(),
             edges: buffer("patch borders", bytemuck::cast_slice(&mesh.edges), index),
             edge_indices: 2 * mesh.edges.len() as u32,
+            panes: buffer("panes", bytemuck::cast_slice(&panes), vertex),
+            pane_corners: panes.len() as u32,
             textures: textures.iter().map(|image| self.texture_bindings(image, largest)).collect(),
             sky: outdoors.map(|outdoors| UploadedSky::new(&self.device, &self.queue, &self.sky, outdoors)),
         })

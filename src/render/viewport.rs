@@ -175,7 +175,9 @@ impl ViewportRenderer {
     /// Makes the pipelines that frames like this one need, where they are not there yet: the first picture
     /// then comes sooner.
     pub fn make_ready(&mut self, device: &wgpu::Device, frame: &FrameInput) {
-        for pass in passes(frame) {
+        let has_panes = self.mesh.as_ref().is_some_and(|mesh| mesh.pane_corners > 0);
+        let panes = [Pass::PaneDims, Pass::PaneShines].into_iter().filter(|_| has_panes);
+        for pass in passes(frame).into_iter().chain(panes) {
             self.pipelines.prepare_scene(device, scene_key(frame, pass));
         }
     }
@@ -293,6 +295,14 @@ impl ViewportRenderer {
         // Behind surfaces, and before lines that reach over their edges.
         if let Some((sky, _)) = self.sky_of(frame) {
             self.skies.draw(pass, sky, (frame.tone_map, samples(frame)));
+        }
+        if mesh.pane_corners > 0 && frame.source == ColourSource::Radiosity {
+            pass.set_vertex_buffer(0, mesh.panes.slice(..));
+            for kind in [Pass::PaneDims, Pass::PaneShines] {
+                select(pass, kind);
+                pass.draw(0..mesh.pane_corners, 0..1);
+            }
+            pass.set_vertex_buffer(0, mesh.corners.slice(..));
         }
         if frame.wireframe && mesh.edge_indices > 0 {
             select(pass, lines);

@@ -2,6 +2,7 @@
 
 use super::SceneError;
 use super::finding::{FindingKind, Severity};
+use super::glass::Passing;
 use super::lookup::{Files, Found, reason};
 use super::map::Map;
 use super::names;
@@ -69,6 +70,8 @@ pub(super) struct Block {
     pub(super) image: Option<(Map, PathBuf)>,
     /// `map_Ke`, likewise.
     pub(super) glow: Option<(Map, PathBuf)>,
+    /// What it says of light that passes.
+    pub(super) passing: Passing,
     /// Whether a library defines it.
     pub(super) defined: bool,
 }
@@ -77,7 +80,16 @@ impl Block {
     /// A material that no library defines.
     pub(super) fn grey(name: &str) -> Self {
         let name = unquoted(name).to_owned();
-        Self { given: name.clone(), name, kd: None, ke: None, image: None, glow: None, defined: false }
+        Self {
+            given: name.clone(),
+            name,
+            kd: None,
+            ke: None,
+            image: None,
+            glow: None,
+            passing: Passing::default(),
+            defined: false,
+        }
     }
 }
 
@@ -178,18 +190,20 @@ impl Library {
                     let slot = if word == "map_kd" { &mut block.image } else { &mut block.glow };
                     *slot = Some((map, path.to_owned()));
                 }
-                "d" | "tr" => {
-                    let value = words(rest).find_map(|w| w.parse::<f64>().ok());
-                    // Programs that write Tr 1 on everything mean the opposite of it.
-                    let see_through = match &*word {
-                        "d" => value.is_some_and(|d| d < 0.999),
-                        _ => value.is_some_and(|tr| tr > 0.001 && tr < 0.999),
+                "d" | "tr" | "ni" | "illum" => {
+                    let passing = &mut self.blocks[block].passing;
+                    let slot = match &*word {
+                        "d" => &mut passing.d,
+                        "tr" => &mut passing.tr,
+                        "ni" => &mut passing.index,
+                        _ => &mut passing.model,
                     };
-                    if see_through {
-                        let name = format!("'{}'", names::short(&self.blocks[block].name));
-                        self.note("materials that are see-through in the file are opaque here", name);
-                    }
+                    // `d -halo 0.5` has a word before the number.
+                    let value = words(rest).find_map(|word| word.parse::<f64>().ok());
+                    *slot = value.filter(|value| value.is_finite());
                 }
+                // What no program writes otherwise is left out, as it is no reason to refuse a model.
+                "tf" => self.blocks[block].passing.filter = self.colour(block, "Tf", rest).ok().flatten(),
                 _ => {}
             }
         }
@@ -212,7 +226,11 @@ impl Library {
 
     /// The value of a `Kd` or `Ke`: one number stands for three. NaN passes: it is repaired later.
     fn colour(&mut self, block: usize, kind: &str, rest: &str) -> Result<Option<[f64; 3]>, String> {
-        let kind = if kind == "kd" { "Kd" } else { "Ke" };
+        let kind = match kind {
+            "kd" => "Kd",
+            "ke" => "Ke",
+            other => other,
+        };
         let mut values = words(rest).peekable();
         let is_xyz = values.next_if(|first| first.eq_ignore_ascii_case("xyz")).is_some();
         if values.peek().is_some_and(|first| first.eq_ignore_ascii_case("spectral")) {

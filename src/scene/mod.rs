@@ -22,6 +22,7 @@ mod error;
 mod extent;
 mod finding;
 mod frame;
+mod glass;
 mod import;
 mod lamp_entry;
 mod library;

@@ -2,6 +2,7 @@
 
 use super::SceneError;
 use super::finding::{Finding, FindingKind, Severity};
+use super::glass::Passing;
 use super::library::{Block, Index, Library, open};
 use super::lookup::Files;
 use super::map::{Map, Placement};
@@ -9,7 +10,8 @@ use super::names;
 use super::obj::{NO_MATERIAL, Scan};
 use super::tally::Remarks;
 use super::textures::Textures;
-use super::types::{MAX_REFLECTANCE, Material, Sides};
+use super::types::{MAX_REFLECTANCE, Material, Sides, luminance_weighted};
+use crate::glazing::Glazing;
 use std::f64::consts::PI;
 use std::fmt;
 
@@ -98,6 +100,13 @@ pub(super) fn read(
             remarks.add(FindingKind::Material, Severity::Warning, what, format!("'{}'", names::short(name)));
         }
     }
+    let all_vanish =
+        Passing::all_vanish(blocks.iter().filter(|block| block.defined).map(|block| &block.passing));
+    if all_vanish {
+        let message = "every material is wholly transparent by its d or Tr, which no program means; all were taken as opaque";
+        materials.findings.push(Finding::new(FindingKind::Material, Severity::Warning, message));
+        blocks.iter_mut().for_each(|block| block.passing = Passing::default());
+    }
     let mut reader = Reader { materials, textures: Textures::default(), remarks, files };
     for block in &blocks {
         reader.add(block);
@@ -142,12 +151,22 @@ impl Reader<'_> {
         let placement = block.image.as_ref().filter(|_| texture.is_some()).map(|(map, _)| map.placement);
         self.materials.placements.push(placement.unwrap_or_default());
         self.materials.exitance.push(exitance);
+        let glazing = if exitance == [0.0; 3] { self.glazing(block, &name) } else { None };
         self.materials.list.push(Material {
             name: block.name.clone(),
             reflectance,
             texture,
             sides: Sides::Auto,
+            glazing,
         });
+    }
+
+    /// What light passes it, and a word on how that was understood.
+    fn glazing(&mut self, block: &Block, name: &str) -> Option<Glazing> {
+        let (glazing, understood) = block.passing.glazing()?;
+        let share = luminance_weighted(glazing.transmittance(1.0));
+        self.note(understood.told(), format!("'{name}' (passes {:.0} %)", 100.0 * share));
+        Some(glazing)
     }
 
     /// Options of an image that have no effect here.

@@ -240,6 +240,7 @@ impl Scene {
             reflectance: [REFLECTANCE; 3],
             texture: None,
             sides: Sides::Front,
+            glazing: None,
         });
         for lamp in &lamps {
             let middles = if lamp.faces() > 0 { lamp.middles(self.up) } else { Vec::new() };

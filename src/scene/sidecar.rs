@@ -2,6 +2,7 @@
 
 use super::error::SceneError;
 use super::finding::{Finding, FindingKind, Severity};
+use super::glass::Asked;
 use super::lamp_entry::LampEntry;
 use super::mtl::repair_reflectance;
 use super::names;
@@ -155,6 +156,32 @@ pub(super) struct MaterialEntry {
     pub(super) reflectance: Option<[f64; 3]>,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub(super) sides: Option<SidesKey>,
+    /// Of glass: what passes along the normal, 0 to 1, in all bands or in each; of a unit of several panes of the whole unit.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub(super) transmittance: Option<SharesKey>,
+    /// How many panes the glass is, one behind the other; one otherwise.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub(super) panes: Option<u32>,
+    /// Whether it is glass: `false` makes opaque what the MTL has as glass.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub(super) glass: Option<bool>,
+}
+
+/// A share of light, in all bands or in each.
+#[derive(Clone, Copy, Debug, PartialEq, Deserialize, Serialize)]
+#[serde(untagged, expecting = "a number from 0 to 1, or three of them in brackets")]
+pub(super) enum SharesKey {
+    All(f64),
+    Each([f64; 3]),
+}
+
+impl SharesKey {
+    pub(super) fn bands(self) -> [f64; 3] {
+        match self {
+            Self::All(share) => [share; 3],
+            Self::Each(shares) => shares,
+        }
+    }
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize, Serialize)]
@@ -319,6 +346,10 @@ impl Sidecar {
             if let Some(sides) = entry.sides {
                 material.sides = sides.into();
             }
+            let asked = Asked { transmittance: entry.transmittance, panes: entry.panes, glass: entry.glass };
+            asked.apply(material).map_err(|fault| {
+                source.error_at(entry.name.span().start, format!("'{}' {fault}", names::short(name)))
+            })?;
         }
         Ok(())
     }

@@ -103,7 +103,14 @@ pub fn sidecar_text(
             Sides::Front => Some(SidesKey::Front),
             Sides::Both => Some(SidesKey::Both),
         };
-        sidecar.materials.push(MaterialEntry { name: unplaced(material.name.clone()), reflectance, sides });
+        sidecar.materials.push(MaterialEntry {
+            name: unplaced(material.name.clone()),
+            reflectance,
+            sides,
+            transmittance: None,
+            panes: None,
+            glass: None,
+        });
     }
     composed(&sidecar, existing, &file)
 }

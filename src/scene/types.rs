@@ -5,6 +5,7 @@ use super::photometric::PhotometricLight;
 use super::placed::PlacedLamp;
 use super::text::folded;
 use crate::geometry::Aabb;
+use crate::glazing::Glazing;
 use glam::{DVec2, DVec3};
 use std::path::{Path, PathBuf};
 
@@ -248,6 +249,8 @@ pub struct Material {
     pub texture: Option<u32>,
     /// Which sides reflect.
     pub sides: Sides,
+    /// Where it is clear or tinted glass: light passes its surfaces, and none of their sides reflects by its paint.
+    pub glazing: Option<Glazing>,
 }
 
 /// Which sides of a surface take part.

@@ -2,7 +2,7 @@
 
 use super::{Prepared, Solution, Timings};
 use crate::effects::{Effect, EffectPlan};
-use crate::form_factors::RowComputer;
+use crate::form_factors::{RowComputer, RowScratch};
 use crate::mesh::{PatchMesh, Side};
 use crate::solver::columns_read;
 use std::time::{Duration, Instant};
@@ -15,7 +15,8 @@ const PROBES: usize = 12;
 ///
 /// - visibility: the rows' time, less the share of it that closed forms alone take, from a few rows;
 /// - colour bands: the sweeps' time, less that of the passes over the rows that one band needs;
-/// - two-sided surfaces: the share of backs in the time of rows and sweeps.
+/// - two-sided surfaces: the share of backs in the time of rows and sweeps;
+/// - glass: the rows' time, less the share of it that they take without panes, from a few rows.
 ///
 /// Textures and smooth surfaces take nothing from a solve: one is read while meshing, one at display.
 pub fn measured(prepared: &Prepared, lamps: usize, timings: &Timings) -> EffectPlan {
@@ -29,15 +30,27 @@ fn costs(
 ) -> EffectPlan {
     let mut measured = plan.clone();
     let patches = mesh.patches.len().max(1);
+    let without_glass = computer.without_glass();
     for effect in Effect::ALL.into_iter().filter(|&e| plan.is_on(e)) {
         let seconds = match effect {
-            Effect::Visibility => timings.rows * occluded_share(computer),
+            Effect::Visibility => {
+                timings.rows
+                    * share_of(computer, |scratch, patch| {
+                        drop(computer.unoccluded_row(patch, scratch));
+                    })
+            }
             Effect::ColourBands => {
                 timings.sweeps * (1.0 - columns_read(lamps) as f64 / columns_read(3 * lamps).max(1) as f64)
             }
             Effect::TwoSided => {
                 let backs = mesh.patches.iter().filter(|p| p.side == Side::Back).count();
                 (timings.rows + timings.sweeps) * backs as f64 / patches as f64
+            }
+            Effect::Glass => {
+                timings.rows
+                    * share_of(computer, |scratch, patch| {
+                        drop(without_glass.row(patch, scratch));
+                    })
             }
             Effect::Textures | Effect::SmoothSurfaces => 0.0,
         };
@@ -54,8 +67,8 @@ pub fn effect_costs(solved: &Solution) -> EffectPlan {
     costs((&solved.plan, &solved.mesh, &solved.computer), solved.bases.lamps, &solved.timings)
 }
 
-/// The share of a row's time that finding what hides what takes, 0 to 1.
-fn occluded_share(computer: &RowComputer) -> f64 {
+/// The share of a row's time that is saved by gathering it in the other way, 0 to 1.
+fn share_of(computer: &RowComputer, other: impl Fn(&mut RowScratch, u32)) -> f64 {
     let n = computer.mesh().patches.len();
     let mut scratch = computer.scratch();
     let [mut with, mut without] = [0.0; 2];
@@ -65,7 +78,7 @@ fn occluded_share(computer: &RowComputer) -> f64 {
         drop(computer.row(patch, &mut scratch));
         with += clock.elapsed().as_secs_f64();
         let clock = Instant::now();
-        drop(computer.unoccluded_row(patch, &mut scratch));
+        other(&mut scratch, patch);
         without += clock.elapsed().as_secs_f64();
     }
     if with > without { 1.0 - without / with } else { 0.0 }

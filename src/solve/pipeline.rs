@@ -244,6 +244,7 @@ pub(super) fn prepare_watched(
         target: settings.patches,
         backs: effects::backs(&settings.effects),
         textures: !settings.effects.without.contains(&Effect::Textures),
+        glass: !settings.effects.without.contains(&Effect::Glass),
         refinement: settings.refinement.clone(),
     };
     let (survey, mut cutting) = match survey.filter(|survey| survey.serves(&mesh_settings)) {

@@ -80,7 +80,8 @@ fn mended(mesh: &PatchMesh, a: &Patch, b: &Patch, (sampled, from_points): (f64, 
         return sampled;
     }
     let visible = sampled / from_points;
-    let visible = if visible >= CLEAR { 1.0 } else { visible };
+    let is_noise = visible >= CLEAR && mesh.panes.is_empty();
+    let visible = if is_noise { 1.0 } else { visible };
     visible * exact(mesh, a, b)
 }
 

@@ -5,6 +5,7 @@
 
 mod culling;
 mod occluders;
+mod panes;
 mod rays;
 
 #[cfg(test)]
@@ -13,4 +14,5 @@ pub(crate) use culling::Culling;
 pub(crate) use occluders::Occluder;
 pub(crate) use occluders::{Cell, THICKNESS};
 pub use occluders::{Occluders, Viewer};
+pub use panes::Glass;
 pub use rays::RayScene;

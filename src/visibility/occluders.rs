@@ -2,7 +2,7 @@
 
 use super::culling::Culling;
 use crate::geometry::Frame;
-use crate::mesh::{Backing, NO_PATCH, PatchMesh, Side};
+use crate::mesh::{Backing, NO_PATCH, Panes, PatchMesh, Side};
 use crate::watch::Cancelled;
 use glam::DVec3;
 use std::f64::consts::TAU;
@@ -66,6 +66,8 @@ pub(crate) struct Occluder {
     pub(crate) dark: [bool; 2],
     /// How much of its back others lie on.
     pub(crate) backing: Backing,
+    /// Of a pane its index in [`crate::mesh::Panes::list`]: it hides nothing, and dims what lies behind it.
+    pub(crate) pane: Option<u32>,
 }
 
 impl Occluder {
@@ -182,11 +184,48 @@ impl Occluders {
                 emits,
                 dark: region.dark,
                 backing: region.backing,
+                pane: None,
             });
         }
+        all.add_panes(&mesh.panes);
         let boxes: Vec<(DVec3, DVec3)> = all.regions.iter().map(|r| (r.middle, r.half)).collect();
         all.culling = Culling::new(&boxes, &mesh.blockers);
         Ok(all)
+    }
+
+    /// Panes come after the regions of the mesh; they have no cells.
+    fn add_panes(&mut self, panes: &Panes) {
+        for (index, pane) in (0_u32..).zip(&panes.list) {
+            let (vertex, edge, count) =
+                (self.vertices.len() as u32, self.edges.len() as u32, pane.corners.len() as u32);
+            self.vertices.extend_from_slice(&pane.corners);
+            self.edges.extend((0..count).map(|k| [k, (k + 1) % count]));
+            self.regions.push(Occluder {
+                origin: pane.corners[0],
+                u_axis: DVec3::ZERO,
+                v_axis: DVec3::ZERO,
+                normal: pane.normal,
+                cells: [0; 2],
+                first_cell: 0,
+                vertices: [vertex, vertex + count],
+                edges: [edge, edge + count],
+                middle: pane.bounds.centre(),
+                half: 0.5 * pane.bounds.size(),
+                emits: [false; 2],
+                // From its other side it dims nothing.
+                dark: [false; 2],
+                backing: Backing::None,
+                pane: Some(index),
+            });
+        }
+    }
+
+    /// Forgets the panes.
+    pub(crate) fn leave_out_panes(&mut self) {
+        self.regions.iter_mut().filter(|region| region.pane.is_some()).for_each(|region| {
+            // Without an edge nothing meets it.
+            (region.edges[1], region.pane) = (region.edges[0], None);
+        });
     }
 
     /// Patches in the mesh that this was read from: the length of a dense row.

@@ -1,5 +1,6 @@
 //! Rays against the true polygons of a mesh.
 
+use super::panes::Glass;
 use crate::geometry::{Bvh, Frame, Ray};
 use crate::mesh::{NO_PATCH, PatchMesh, cosine_direction};
 use crate::watch::Cancelled;
@@ -21,6 +22,7 @@ pub struct RayScene {
     offset: f64,
     /// Whether no ray leaves it.
     sealed: bool,
+    glass: Glass,
 }
 
 impl RayScene {
@@ -44,6 +46,7 @@ impl RayScene {
                 .collect(),
             offset: 1e-7 * mesh.size,
             sealed: false,
+            glass: Glass::new(mesh),
         };
         scene.sealed = scene.looks_sealed(mesh, cancelled);
         if cancelled() { Err(Cancelled) } else { Ok(scene) }
@@ -57,18 +60,44 @@ impl RayScene {
     /// The patch that a ray meets first, or [`NO_PATCH`], and whether no light reaches that side; `None`
     /// where the ray escapes.
     pub(crate) fn seen(&self, point: DVec3, direction: DVec3) -> Option<(u32, bool)> {
+        self.hit(point, direction).map(|(patch, dark, _)| (patch, dark))
+    }
+
+    /// The same with the distance, metres for a unit `direction`.
+    fn hit(&self, point: DVec3, direction: DVec3) -> Option<(u32, bool, f64)> {
         let ray = Ray { origin: point, direction };
         let is_shown = |triangle: u32| self.is_shown(triangle, direction);
         let hit = self.bvh.nearest_where(&ray, self.offset, f64::INFINITY, is_shown)?;
         let triangle = hit.triangle as usize;
         let side = usize::from(self.normals[triangle].dot(direction) > 0.0);
-        Some((self.patches[triangle][side], self.dark[triangle][side]))
+        Some((self.patches[triangle][side], self.dark[triangle][side], hit.distance))
     }
 
-    /// Whether no ray leaves the scene, of 8 spread over the hemisphere and 16 along the surface from each
+    /// As [`Self::seen`], and what panes leave of the light on the way, by luminance.
+    pub(crate) fn seen_through_glass(&self, point: DVec3, direction: DVec3) -> Option<(u32, bool, f64)> {
+        let (patch, dark, distance) = self.hit(point, direction)?;
+        Some((patch, dark, self.glass.luminous(point, direction, [self.offset, distance - self.offset])))
+    }
+
+    /// Forgets the panes.
+    pub(crate) fn leave_out_panes(&mut self) {
+        self.glass = Glass::default();
+    }
+
+    /// The panes on the way.
+    pub(crate) fn glass(&self) -> &Glass {
+        &self.glass
+    }
+
+    /// What panes leave of the light between two points, by luminance.
+    pub(crate) fn passed(&self, from: DVec3, to: DVec3) -> f64 {
+        self.glass.between(from, to, self.offset)
+    }
+
+    /// Whether all light that leaves patches arrives at others: no ray leaves the scene, of 8 spread over the hemisphere and 16 along the surface from each
     /// of some thousands of patches that light reaches.
     pub(crate) fn is_sealed(&self) -> bool {
-        self.sealed
+        self.sealed && self.glass.is_empty()
     }
 
     fn looks_sealed(&self, mesh: &PatchMesh, cancelled: &(dyn Fn() -> bool + Sync)) -> bool {

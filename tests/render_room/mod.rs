@@ -32,6 +32,7 @@ impl Room {
             reflectance,
             texture,
             sides: Sides::Auto,
+            glazing: None,
         };
         let pixels = (0..64)
             .map(|i| match (i % 8 + i / 8) % 2 {

@@ -19,6 +19,7 @@ struct Frame {
 @group(1) @binding(1) var reflectance_sampler: sampler;
 
 const NO_VALUE_BELOW = -1e29; // NO_VALUE of display/false_colour.rs is less
+const MIDDLE_GREY = 0.3; // as display/tone.rs has it
 const HIGHLIGHT = vec3f(1.0, 0.36, 0.02);
 
 struct Corner {
@@ -143,4 +144,56 @@ fn line(v: Line, colour: vec3f) -> vec4f {
 
 @fragment fn fs_line(v: Line) -> @location(0) vec4f {
     return line(v, vec3f(0.0));
+}
+
+// Panes of glass over what lies behind them: first dimmed, then with a sheen.
+struct Pane {
+    @builtin(position) clip: vec4f,
+    @location(0) position: vec3f,
+    @location(1) @interpolate(flat) normal: vec3f,
+    @location(2) @interpolate(flat) tint: vec3f,
+    @location(3) @interpolate(flat) sides: u32,
+}
+
+@vertex fn vs_pane(
+    @location(0) position: vec3f,
+    @location(1) normal: vec3f,
+    @location(2) tint: vec3f,
+    @location(3) sides: u32,
+) -> Pane {
+    return Pane(clip(position), position, normal, tint, sides);
+}
+
+// Share that a pane of window glass mirrors (Fresnel 1823; both surfaces, all reflections between them).
+fn mirrored(cosine: f32) -> f32 {
+    const INDEX = 1.52;
+    let inside = sqrt(1.0 - (1.0 - cosine * cosine) / (INDEX * INDEX));
+    let s = (cosine - INDEX * inside) / (cosine + INDEX * inside);
+    let p = (INDEX * cosine - inside) / (INDEX * cosine + inside);
+    let surface = 0.5 * (s * s + p * p);
+    return 2.0 * surface / (1.0 + surface);
+}
+
+// Cosine of the angle under which the eye sees it; below zero from a side on which it is not drawn.
+fn seen(v: Pane) -> f32 {
+    let cosine = dot(normalize(v.normal), normalize(frame.eye - v.position));
+    let side = select(2u, 1u, cosine > 0.0);
+    return select(-1.0, abs(cosine), (v.sides & side) != 0u);
+}
+
+@fragment fn fs_pane_dims(v: Pane) -> @location(0) vec4f {
+    let cosine = seen(v);
+    if cosine < 0.0 {
+        discard;
+    }
+    return vec4f(v.tint * (1.0 - mirrored(cosine)) / (1.0 - mirrored(1.0)), 1.0);
+}
+
+// It mirrors surroundings that look middling grey whatever the exposure: a sheen, stronger where it slants.
+@fragment fn fs_pane_shines(v: Pane) -> @location(0) vec4f {
+    let cosine = seen(v);
+    if cosine < 0.0 {
+        discard;
+    }
+    return vec4f(tone_map(vec3f(MIDDLE_GREY * mirrored(cosine))), 0.0);
 }
