@@ -207,7 +207,6 @@ impl Layout {
     }
 
     /// What each leaf may see of the sun, and the area of the element that it was looked for from, m².
-    #[expect(clippy::type_complexity, reason = "two lists of the same length")]
     fn views(
         &self,
         mesh: &PatchMesh,

@@ -72,7 +72,7 @@ pub(super) enum Command {
     /// As the file has them.
     ResetLamps,
     /// Another sky over the model, or none.
-    SetDaylight(Option<DaylightChoice>),
+    SetDaylight(Option<Box<DaylightChoice>>),
     /// Play the day, or end that.
     ToggleDay,
     /// A new reflectance; `None` restores that of the file.

@@ -46,7 +46,7 @@ impl App {
             if let Command::SetDaylight(choice) = &command {
                 // Who moves the handle has taken it over.
                 self.day_playing = None;
-                if let Some(edits) = self.with_daylight(choice.as_ref()) {
+                if let Some(edits) = self.with_daylight(choice.as_deref()) {
                     self.apply(key, edits);
                 }
                 return;

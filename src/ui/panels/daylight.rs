@@ -79,7 +79,7 @@ pub(in crate::ui) fn show(ui: &mut Ui, model: &Model<'_>, out: &mut Commands) {
         let add =
             ui.button("Add daylight").on_hover_text("A sky and a sun over the model, by place and time");
         if add.clicked() {
-            out.push(Command::SetDaylight(Some(first_choice())));
+            out.push(Command::SetDaylight(Some(Box::new(first_choice()))));
         }
         return;
     };
@@ -111,7 +111,7 @@ pub(in crate::ui) fn show(ui: &mut Ui, model: &Model<'_>, out: &mut Commands) {
         }
     });
     if choice != day.choice {
-        out.push(Command::SetDaylight(Some(choice)));
+        out.push(Command::SetDaylight(Some(Box::new(choice))));
     }
 }
 
