@@ -46,6 +46,9 @@ pub(super) struct Arguments {
     /// Dim this lamp to a share from 0 to 1 of its full output (may be repeated)
     #[arg(long, value_name = "NAME=SHARE", value_parser = options::dimming)]
     dim: Vec<(String, f64)>,
+    /// Light it by this sky, or by that of its sidecar with these keys changed: as in "date=2026-06-21 time=14:30"
+    #[arg(long, value_name = "KEY=VALUE ...")]
+    daylight: Option<String>,
     /// Look from this bookmark [default: the scene's start view]
     #[arg(long, value_name = "NAME", requires = "image", conflicts_with = "eye")]
     view: Option<String>,
@@ -192,6 +195,10 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
     let kind = arguments.image.as_deref().map(picture::kind_of).transpose()?;
     arguments.options.set_threads()?;
     let scene = load(&arguments.scene, &arguments.frame, arguments.lamps)?;
+    let scene = match &arguments.daylight {
+        Some(text) => Arc::new(under_sky(&scene, text)?),
+        None => scene,
+    };
     let load_seconds = start.elapsed().as_secs_f64();
     let settings = arguments.options.settings(scene.unit)?;
     let lighting = lamps::lighting(&scene, &arguments.on, &arguments.off, &arguments.dim)?;
@@ -271,6 +278,13 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
     }
     text::print(&told)?;
     written.end()
+}
+
+/// The scene under the sky of its sidecar with what the text says changed.
+fn under_sky(scene: &Scene, text: &str) -> Result<Scene, Failure> {
+    let own = scene.outdoors.as_ref().map(|outdoors| outdoors.choice.clone()).unwrap_or_default();
+    let choice = own.changed(text).map_err(|error| Failure::input(format!("--daylight: {error}")))?;
+    Ok(scene.with_daylight(Some(&choice))?)
 }
 
 /// Loads a scene and says on standard error what is doubtful about it.

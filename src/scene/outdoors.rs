@@ -247,6 +247,51 @@ impl DaylightChoice {
         Self { sky_lamp: None, sun_lamp: None, ..self.clone() }
     }
 
+    /// The same with some of its keys changed, as in "date=2026-06-21 time=14:30 sky=overcast"; pairs of numbers have a
+    /// comma between them.
+    ///
+    /// # Errors
+    /// A key that is none, or a value that is no number where one is asked for.
+    pub fn changed(&self, text: &str) -> Result<Self, DaylightError> {
+        let mut choice = self.clone();
+        for word in text.split_whitespace() {
+            let shown = names::short(word);
+            let fault = |what: &str| DaylightError::new(format!("'{shown}' {what}"));
+            let (key, value) =
+                word.split_once('=').ok_or_else(|| fault("has no value; write it as time=14:30"))?;
+            let number = |value: &str| {
+                let number = value.parse::<f64>().ok().filter(|number| number.is_finite());
+                number.ok_or_else(|| fault("asks for a number"))
+            };
+            let pair = || {
+                let (a, b) =
+                    value.split_once(',').ok_or_else(|| fault("asks for two numbers, as in sun=35,180"))?;
+                Ok::<_, DaylightError>([number(a)?, number(b)?])
+            };
+            match key {
+                "latitude" => choice.latitude = Some(number(value)?),
+                "longitude" => choice.longitude = Some(number(value)?),
+                "zone" => choice.zone = Some(number(value)?),
+                "north" => choice.north = Some(number(value)?),
+                "ground" => choice.ground = Some(number(value)?),
+                "date" => choice.date = Some(value.to_owned()),
+                "time" => choice.time = Some(value.to_owned()),
+                "sky" => choice.sky = Some(value.to_owned()),
+                "weather" => choice.weather = Some(value.to_owned()),
+                "sun" => choice.sun = Some(pair()?),
+                "lux" => choice.lux = Some(pair()?),
+                "irradiance" => choice.irradiance = Some(pair()?),
+                _ => {
+                    return Err(fault(
+                        "is no key of daylight: latitude, longitude, zone, north, ground, date, time, sky, weather, \
+                         sun, lux, irradiance",
+                    ));
+                }
+            }
+        }
+        Ok(choice)
+    }
+
     /// Where the sun stands.
     fn position(&self) -> Result<SunPosition, DaylightError> {
         if let Some([elevation, azimuth]) = self.sun {
@@ -414,5 +459,36 @@ impl Scene {
         };
         let daylight = choice.daylight(weather.as_deref()).map_err(|error| fail(error.to_string()))?;
         Ok(Asked { daylight, choice: choice.clone(), weather })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn keys_are_changed_by_words_and_faults_name_them() {
+        let own = DaylightChoice {
+            latitude: Some(52.5),
+            sky: Some("clear".to_owned()),
+            ..DaylightChoice::default()
+        };
+        let other = own.changed("time=14:30  sky=overcast lux=0,9000 north=-30").unwrap();
+        let expected = DaylightChoice {
+            time: Some("14:30".to_owned()),
+            sky: Some("overcast".to_owned()),
+            lux: Some([0.0, 9000.0]),
+            north: Some(-30.0),
+            ..own.clone()
+        };
+        assert_eq!(other, expected);
+        assert_eq!(own.changed("").unwrap(), own);
+        for (text, told) in
+            [("time", "has no value"), ("hour=3", "is no key"), ("zone=two", "a number"), ("sun=3", "two")]
+        {
+            let fault = own.changed(text).unwrap_err().to_string();
+            assert!(fault.contains(told) && fault.contains(text), "{fault}");
+        }
+        assert!(own.changed("ground=nan").is_err());
     }
 }
