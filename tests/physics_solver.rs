@@ -459,7 +459,7 @@ fn preparing_rows_and_sweeps_ends_when_it_is_asked_to() {
         RowComputer::new_unless(mesh.clone(), sampling, true, cancelled).map(|_| ())
     };
     let sweeps = |cancelled: &(dyn Fn() -> bool + Sync)| {
-        GaussSeidel::new_unless(mesh, made.transport.as_ref(), &system, None, cancelled).map(|_| ())
+        GaussSeidel::new_unless(mesh, made.transport.as_ref(), &system, (None, None), cancelled).map(|_| ())
     };
     type Work<'a> = &'a dyn Fn(&(dyn Fn() -> bool + Sync)) -> Result<(), Cancelled>;
     let works: [(&str, Work<'_>); 2] = [("rows", &rows), ("sweeps", &sweeps)];

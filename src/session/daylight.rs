@@ -104,7 +104,7 @@ impl Worker<'_> {
     }
 
     /// Lays out the direct light of the sun where it was seen by a few rays.
-    fn find_shadows(&mut self, prepared: &Prepared, system: &System) -> Result<(), Failure> {
+    pub(super) fn find_shadows(&mut self, prepared: &Prepared, system: &System) -> Result<(), Failure> {
         let Some(standing) = self.element_light().cloned() else { return Ok(()) };
         let lit = self.with_run(|run| run.shadows(prepared, &standing, system))?;
         // Shown with what patches make of it.

@@ -221,6 +221,10 @@ impl Worker<'_> {
             return Ok(todo);
         }
         let are_new = self.lay_out_elements(&prepared, &system)?;
+        // Where another wish has come before the edges of the sun's shadows.
+        if self.element_light().is_some_and(|elements| elements.is_glimpsed && elements.serves(&system)) {
+            self.find_shadows(&prepared, &system)?;
+        }
         // A recoloured material may call for three bands where one did.
         let is_ready = |elements: &Arc<ElementLight>| elements.is_settled && elements.serves(&system);
         if are_new || self.element_light().is_some_and(|elements| !is_ready(elements)) {

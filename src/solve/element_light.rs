@@ -19,6 +19,8 @@ pub struct ElementLight {
     pub layout: Arc<Layout>,
     /// Whether it was laid out under the sky that it is lit by.
     pub is_of_hour: bool,
+    /// Whether the sun was looked for by a few rays alone, so far.
+    pub is_glimpsed: bool,
     /// Whether the patches have what the transport makes of it.
     pub is_settled: bool,
     /// Where it is kept.
@@ -103,6 +105,8 @@ impl ElementLight {
             elements: Arc::new(elements),
             direct: Arc::new(light),
             is_of_hour: false,
+            is_glimpsed: at_once,
+            is_settled: false,
             of_patches: Arc::new(of_patches),
             given: Arc::new(given),
             arriving: arriving.into(),
@@ -270,6 +274,7 @@ impl ElementLight {
             target,
             layout: Arc::new(layout),
             is_of_hour: true,
+            is_glimpsed: false,
             is_settled: false,
             elements: Arc::new(elements),
             direct: Arc::new(direct),

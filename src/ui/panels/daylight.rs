@@ -147,7 +147,8 @@ fn hour(ui: &mut Ui, model: &Model<'_>, day: &Day, choice: &mut DaylightChoice, 
             true => ("Stop", "Stay at this hour"),
             false => ("Play", "A day in ten seconds, over and over"),
         };
-        if ui.add_sized([38.0, HEIGHT], Button::new(text)).on_hover_text(tip).clicked() {
+        let play = ui.add_sized([38.0, HEIGHT], Button::new(text)).on_hover_text(tip);
+        if play.accessible_name(format!("{text} the day")).clicked() {
             out.push(Command::ToggleDay);
         }
     });
