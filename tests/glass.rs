@@ -102,8 +102,7 @@ fn rows_through_a_wide_pane_sum_to_its_hemispherical_transmittance_by_every_meth
         // Of two, the mean of the squares: by quadrature over the same formula.
         let passed = if passed.is_nan() { mean_of_squares() } else { passed };
         for (method, resolution) in common::METHODS {
-            let prepared = prepare(scene.clone(), &settings(PatchTarget::Count(50), method, resolution))
-                .expect("a mesh");
+            let prepared = prepare(scene.clone(), &settings(PatchTarget::Count(50), method, resolution)).expect("a mesh");
             let floor = prepared.mesh.patches.iter().position(|p| p.luminaire.is_none()).expect("a floor");
             let sum = prepared.computer.row(floor as u32, &mut prepared.computer.scratch()).sum();
             let exact = passed * (1.0 - 1.0 / (400.0 * 400.0));
@@ -163,8 +162,7 @@ fn a_room_with_a_glass_partition_agrees_with_the_witness_and_sends_light_both_wa
     let (mesh, computer) = (&solution.mesh, &solution.computer);
     assert_eq!(mesh.panes.list.len(), 2);
     let mut scratch = computer.scratch();
-    let rows: Vec<_> =
-        (0..mesh.patches.len() as u32).map(|patch| computer.row(patch, &mut scratch)).collect();
+    let rows: Vec<_> = (0..mesh.patches.len() as u32).map(|patch| computer.row(patch, &mut scratch)).collect();
     let (mut there, mut gap, mut through) = (0.0, 0.0, 0.0);
     for (i, row) in rows.iter().enumerate() {
         for (&j, &value) in row.patches.iter().zip(&row.values) {
@@ -198,8 +196,7 @@ fn without_the_effect_glass_is_opaque_and_where_there_is_none_it_costs_nothing()
     let without = solved(quads.scene(), &SolveSettings { effects, ..usual(100) });
     assert!(!without.plan.is_on(Effect::Glass) && without.mesh.panes.is_empty());
     assert_eq!(watts(&without, &[[0.0; 3]])[0], [0.0; 3]);
-    let plain =
-        Quads::default().room("grey", [2.0, 2.0, 2.0]).level("lamp", [0.5, 0.5, 1.0, 1.0], 1.9, false);
+    let plain = Quads::default().room("grey", [2.0, 2.0, 2.0]).level("lamp", [0.5, 0.5, 1.0, 1.0], 1.9, false);
     let plan = solved(plain.scene(), &usual(100)).plan;
     assert!(!plan.is_on(Effect::Glass));
 }
@@ -223,12 +220,9 @@ fn tinted_glass_colours_what_passes_even_in_a_grey_scene() {
 
 #[test]
 fn a_sidecar_says_what_is_glass_and_what_cannot_be_is_refused_in_one_sentence() {
-    let quads = Quads::default().level("black", [-1.0, -1.0, 1.0, 1.0], 0.0, true).level(
-        "paint",
-        [-1.0, -1.0, 1.0, 1.0],
-        1.0,
-        true,
-    );
+    let quads = Quads::default()
+        .level("black", [-1.0, -1.0, 1.0, 1.0], 0.0, true)
+        .level("paint", [-1.0, -1.0, 1.0, 1.0], 1.0, true);
     let glazing = |keys: &str| -> Result<Option<(usize, f64)>, String> {
         let scene = quads.read(&format!("[[material]]\nname = \"paint\"\n{keys}\n"))?;
         let paint = scene.materials.iter().find(|m| m.name == "paint").expect("paint");
@@ -255,12 +249,7 @@ fn a_sidecar_says_what_is_glass_and_what_cannot_be_is_refused_in_one_sentence() 
         let message = glazing(keys).expect_err(keys);
         assert!(message.contains(told) && message.contains("line"), "{keys}: {message}");
     }
-    let opaque = Quads::default().level("black", [-1.0, -1.0, 1.0, 1.0], 0.0, true).level(
-        "glass",
-        [0.0, 0.0, 1.0, 1.0],
-        1.0,
-        true,
-    );
+    let opaque = Quads::default().level("black", [-1.0, -1.0, 1.0, 1.0], 0.0, true).level("glass", [0.0, 0.0, 1.0, 1.0], 1.0, true);
     let read = opaque.read("[[material]]\nname = \"glass\"\nglass = false\n").expect("read");
     assert!(read.materials.iter().all(|m| m.glazing.is_none()));
 }

@@ -102,8 +102,7 @@ impl Hemicube {
                         // A cell that was closed from its neighbour has no depth, and is behind whatever it meets.
                         let to = self.towards(face, cell, frame);
                         let distance = to.length() / sampler.depths[cell].max(f64::MIN_POSITIVE);
-                        let passed =
-                            glass.luminous(point, to.normalize_or_zero(), [1e-7 * mesh.size, distance]);
+                        let passed = glass.luminous(point, to.normalize_or_zero(), [1e-7 * mesh.size, distance]);
                         row.add(patch, delta * passed);
                     }
                 }

@@ -137,9 +137,7 @@ mod tests {
     fn glass() -> Glass {
         let folder = tempfile::tempdir().expect("a folder");
         let mut text = String::from("mtllib m.mtl\nusemtl floor\n");
-        for (z, name, up) in
-            [(0.0, "floor", true), (1.0, "glass", true), (2.0, "glass", false), (2.01, "glass", true)]
-        {
+        for (z, name, up) in [(0.0, "floor", true), (1.0, "glass", true), (2.0, "glass", false), (2.01, "glass", true)] {
             text += &format!("usemtl {name}\n");
             for (x, y) in [(0, 0), (2, 0), (2, 2), (0, 2)] {
                 text += &format!("v {x} {y} {z}\n");

@@ -44,9 +44,7 @@ impl LineSampler {
                         let length = (0.5 * (1.0 + x * x)).sqrt();
                         let mut passed = [1.0; 3];
                         for pane in self.before.iter().filter(stands) {
-                            let Some((index, to_plane)) = self.seen[pane.seen as usize].pane else {
-                                continue;
-                            };
+                            let Some((index, to_plane)) = self.seen[pane.seen as usize].pane else { continue };
                             let kind = glass.panes().list[index as usize].kind;
                             let cos = pane.w(x) * to_plane / length;
                             let own = glass.panes().kinds[kind as usize].transmittance(cos);
