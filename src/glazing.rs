@@ -33,7 +33,9 @@ pub enum GlazingError {
     )]
     Transmittance(f64, f64, f64),
     /// The same of a unit, with the number of its surfaces.
-    #[error("the transmittance is {0}, but {1} surfaces of index {2} let at most {3:.4} pass, and none is below 0")]
+    #[error(
+        "the transmittance is {0}, but {1} surfaces of index {2} let at most {3:.4} pass, and none is below 0"
+    )]
     Unit(f64, u32, f64, f64),
     /// No pane at all.
     #[error("a glazing unit needs at least one pane")]

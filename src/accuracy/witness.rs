@@ -60,6 +60,28 @@ pub struct Gathered {
     pub direct: f64,
 }
 
+impl Gathered {
+    /// Adds what comes from a lamp by itself.
+    fn add_direct(&mut self, value: f64) {
+        self.constant += value;
+        self.shown += value;
+        self.direct += value;
+    }
+}
+
+/// Where a ray ends: luminances of radiosity there, W/m²; dark where the side has no patch.
+#[derive(Clone, Copy, Debug, Default)]
+struct Met {
+    patch: u32,
+    distance: f64,
+    /// Reflected, as one value a patch and as the picture shows it.
+    reflected: f64,
+    shown: f64,
+    exitance: f64,
+    /// Between the ray and the normal there.
+    cosine: f64,
+}
+
 /// Casts rays against the triangles of a mesh under one lighting.
 ///
 /// Apart from the polygons and the ray-triangle test it shares nothing with the ways in which rows
@@ -351,37 +373,39 @@ impl<'a> Witness<'a> {
             let cosine = (1.0 - u[0]).sqrt();
             let direction = frame.world(DVec3::new(radius * phi.cos(), radius * phi.sin(), cosine));
             let ray = Ray { origin, direction };
-            let is_shown = |triangle: u32| self.is_shown(triangle, direction);
-            let Some(hit) = self.bvh.nearest_where(&ray, self.offset, f64::INFINITY, is_shown) else {
-                if let Some((outdoors, sky, _)) = &self.outdoors {
+            let distance = match self.meet(&ray) {
+                None => {
                     let passed = self.glass.luminous(origin, direction, [self.offset, f64::INFINITY]);
-                    let direct = each * passed * PI * sky * outdoors.radiance(direction);
-                    found.constant += direct;
-                    found.shown += direct;
-                    found.direct += direct;
+                    found.add_direct(each * passed * self.from_sky(direction));
+                    f64::INFINITY
                 }
-                continue;
+                Some(met) => {
+                    let passed =
+                        self.glass.luminous(origin, direction, [self.offset, met.distance - self.offset]);
+                    found.constant += each * passed * met.reflected;
+                    found.shown += each * passed * met.shown;
+                    if met.exitance > 0.0 {
+                        let g = cosine * met.cosine / (PI * met.distance * met.distance);
+                        found.add_direct(passed * met.exitance * g / density(met.patch, g));
+                    }
+                    met.distance
+                }
             };
-            let piece = &self.mesh.pieces[self.pieces[hit.triangle as usize] as usize];
-            let front = self.mesh.regions[piece.region as usize].frame.normal;
-            let back = usize::from(front.dot(direction) > 0.0);
-            let other = piece.patches[back];
-            if other == NO_PATCH {
-                continue;
-            }
-            let passed = self.glass.luminous(origin, direction, [self.offset, hit.distance - self.offset]);
-            found.constant += each * passed * self.reflected[other as usize];
-            let weights = [1.0 - hit.u - hit.v, hit.u, hit.v];
-            let side = 2 * hit.triangle as usize + back;
-            found.shown += each * passed * self.interpolated(&self.shown_reflected, side, weights);
-            let exitance = self.exitance[other as usize];
-            if exitance > 0.0 {
-                let g = cosine * front.dot(direction).abs() / (PI * hit.distance * hit.distance);
-                let direct = passed * exitance * g / density(other, g);
-                found.constant += direct;
-                found.shown += direct;
-                found.direct += direct;
-            }
+            // What panes mirror on the way, looked for by this way of sampling alone.
+            self.glass.each_mirror(origin, direction, [self.offset, distance], |from, mirrored, share| {
+                let share = each * share;
+                let met = self.meet(&Ray { origin: from, direction: mirrored });
+                let end = met.as_ref().map_or(f64::INFINITY, |met| met.distance - self.offset);
+                let share = share * self.glass.luminous(from, mirrored, [self.offset, end]);
+                match met {
+                    None => found.add_direct(share * self.from_sky(mirrored)),
+                    Some(met) => {
+                        found.constant += share * met.reflected;
+                        found.shown += share * met.shown;
+                        found.add_direct(share * met.exitance);
+                    }
+                }
+            });
         }
 
         // 2. Towards the lamps.
@@ -410,9 +434,7 @@ impl<'a> Witness<'a> {
             let g = cosines / (PI * distance2 * distance2);
             let passed = self.glass.between(origin, target, self.offset);
             let direct = passed * self.exitance[lamp as usize] * g / density(lamp, g);
-            found.constant += direct;
-            found.shown += direct;
-            found.direct += direct;
+            found.add_direct(direct);
         }
 
         // 3. Towards the disc of the sun, each ray to a point of its own.
@@ -442,9 +464,7 @@ impl<'a> Witness<'a> {
                     direct += passed * sun * outdoors.sun_exitance() * cosine / f64::from(to_sun);
                 }
             }
-            found.constant += direct;
-            found.shown += direct;
-            found.direct += direct;
+            found.add_direct(direct);
         }
 
         // 4. Towards what shines by photometry.
@@ -459,11 +479,36 @@ impl<'a> Witness<'a> {
             };
             let (samples, seed) = ((rays / 4).max(16), seed ^ 0x2545_F491_4F6C_DD1D);
             let direct = self.openings.gather(start, &choice.openings, samples, seed, passes);
-            found.constant += direct;
-            found.shown += direct;
-            found.direct += direct;
+            found.add_direct(direct);
         }
         found
+    }
+
+    /// What a ray meets; `None` where it escapes.
+    fn meet(&self, ray: &Ray) -> Option<Met> {
+        let is_shown = |triangle: u32| self.is_shown(triangle, ray.direction);
+        let hit = self.bvh.nearest_where(ray, self.offset, f64::INFINITY, is_shown)?;
+        let piece = &self.mesh.pieces[self.pieces[hit.triangle as usize] as usize];
+        let front = self.mesh.regions[piece.region as usize].frame.normal;
+        let back = usize::from(front.dot(ray.direction) > 0.0);
+        let patch = piece.patches[back];
+        let met = Met { patch, distance: hit.distance, ..Met::default() };
+        if patch == NO_PATCH {
+            return Some(met);
+        }
+        let weights = [1.0 - hit.u - hit.v, hit.u, hit.v];
+        Some(Met {
+            reflected: self.reflected[patch as usize],
+            shown: self.interpolated(&self.shown_reflected, 2 * hit.triangle as usize + back, weights),
+            exitance: self.exitance[patch as usize],
+            cosine: front.dot(ray.direction).abs(),
+            ..met
+        })
+    }
+
+    /// Pi times the luminance of the radiance of sky or ground in a direction.
+    fn from_sky(&self, direction: DVec3) -> f64 {
+        self.outdoors.as_ref().map_or(0.0, |(outdoors, sky, _)| PI * sky * outdoors.radiance(direction))
     }
 
     /// Whether a triangle is a surface of a lamp.

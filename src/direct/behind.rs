@@ -45,7 +45,8 @@ impl Behind {
         point: DVec3,
         (limit, thickness): (HalfSpace, f64),
     ) {
-        let reach = self.parts.iter().flat_map(|p| &p.corners).map(|c| c.length_squared()).fold(0.0, f64::max);
+        let reach =
+            self.parts.iter().flat_map(|p| &p.corners).map(|c| c.length_squared()).fold(0.0, f64::max);
         let on_plane = ON_PLANE * reach.sqrt();
         for &index in panes {
             let pane = &glass.panes().list[index as usize];
@@ -85,7 +86,10 @@ impl Behind {
                     self.next.push(part);
                     continue;
                 }
-                let outside = self.cut.iter().map(|corners| Part { corners: corners.to_vec(), panes: part.panes.clone() });
+                let outside = self
+                    .cut
+                    .iter()
+                    .map(|corners| Part { corners: corners.to_vec(), panes: part.panes.clone() });
                 self.next.extend(outside);
                 let panes = part.panes.iter().copied().chain([index]).collect();
                 self.next.push(Part { corners: left.clone(), panes });

@@ -61,6 +61,10 @@ pub struct Scratch {
 const MOST_FRAGMENTS: usize = 40;
 /// What passes beside an outline is left out by so many of its edges at most.
 const MOST_BEAMS: usize = 8;
+/// Of so few obstacles it costs more to find those that enter a smaller shaft than to look at all of them there.
+const FEW: usize = 12;
+/// So many of the largest obstacles are tried by themselves first.
+const MOST_LARGE: u32 = 96;
 /// What so many obstacles may hide is looked at by rays, so many along each edge of its outline.
 const MOST_OBSTACLES: usize = 512;
 const RAYS: u32 = 16;
@@ -278,6 +282,10 @@ impl DirectLight {
             if !self.aim(source, cell, normal, scratch) {
                 continue;
             }
+            if visibility && self.is_behind_a_large_one(source, anywhere, &scratch.shaft) {
+                continue;
+            }
+            scratch.shaft.bound(normal);
             let Scratch { shaft, found, panes, .. } = scratch;
             found.clear();
             panes.clear();
@@ -301,6 +309,16 @@ impl DirectLight {
             if !self.aim(source, cell, normal, scratch) {
                 continue;
             }
+            if obstacles.len() + panes.len() <= FEW {
+                let fills = |&index: &u32| self.fills(&scratch.shaft, index, views.anywhere);
+                if !obstacles.iter().any(fills) {
+                    narrowed.obstacles.extend_from_slice(obstacles);
+                    narrowed.panes.extend_from_slice(panes);
+                    narrowed.push(source);
+                }
+                continue;
+            }
+            scratch.shaft.bound(normal);
             scratch.found.clear();
             scratch.found.extend_from_slice(obstacles);
             scratch.panes.clear();
@@ -322,8 +340,24 @@ impl DirectLight {
         if !cell.iter().any(|&from| emitter.outline(from, outline).is_some()) {
             return false;
         }
-        shaft.aim(cell, normal, hull);
+        shaft.aim(cell, hull);
         true
+    }
+
+    /// Whether one of the largest obstacles hides all of an emitter from all of a cell. Most of a sky is hidden from most
+    /// of a house by a ceiling or a wall: then nothing else needs to be looked for.
+    fn is_behind_a_large_one(&self, source: u32, anywhere: bool, shaft: &Shaft) -> bool {
+        let emitter = &self.emitters.sources[source as usize].emitter;
+        (0..self.obstacles.count().min(MOST_LARGE)).any(|index| {
+            self.fills(shaft, index, anywhere) && !emitter.is_part(self.obstacles.get(index).region)
+        })
+    }
+
+    /// Whether an obstacle hides all of what the shaft is aimed at from all of its cell.
+    fn fills(&self, shaft: &Shaft, index: u32, anywhere: bool) -> bool {
+        let obstacle = self.obstacles.get(index);
+        shaft.is_filled_by(&obstacle, self.thickness)
+            && (anywhere || !shaft.needs_not(&obstacle, self.thickness))
     }
 
     /// Adds an emitter with those of the obstacles found that enter the shaft, unless one of them fills it.

@@ -81,6 +81,11 @@ impl Obstacles {
         all
     }
 
+    /// How many there are.
+    pub(super) fn count(&self) -> u32 {
+        self.planes.len() as u32
+    }
+
     pub(super) fn get(&self, index: u32) -> Obstacle<'_> {
         let k = index as usize;
         Obstacle {

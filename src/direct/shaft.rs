@@ -23,9 +23,9 @@ const BOX_EDGES: [[usize; 2]; 12] =
     [[0, 1], [2, 3], [4, 5], [6, 7], [0, 2], [1, 3], [4, 6], [5, 7], [0, 4], [1, 5], [2, 6], [3, 7]];
 
 impl Shaft {
-    /// Makes it the shaft between a convex cell with a unit normal, and an emitter of which nothing outside of
-    /// the hull of `emitter` matters.
-    pub(super) fn aim(&mut self, cell: &[DVec3], normal: DVec3, emitter: &[DVec3]) {
+    /// Makes it the shaft between a convex cell and an emitter of which nothing outside of the hull of `emitter`
+    /// matters; what enters it is known once it has been [bounded](Self::bound).
+    pub(super) fn aim(&mut self, cell: &[DVec3], emitter: &[DVec3]) {
         self.receiver.clear();
         self.receiver.extend_from_slice(cell);
         self.emitter.clear();
@@ -41,6 +41,10 @@ impl Shaft {
             self.emitter.extend_from_slice(emitter);
             self.edges.extend((0..emitter.len()).map(|k| [k, (k + 1) % emitter.len()]));
         }
+    }
+
+    /// Finds the planes around it, and the horizon of the cell by its unit normal.
+    pub(super) fn bound(&mut self, normal: DVec3) {
         self.bounds = Aabb::around(self.receiver.iter().chain(&self.emitter).copied());
         let tolerance = 1e-9 * self.bounds.diagonal();
         self.planes.clear();
@@ -95,17 +99,8 @@ impl Shaft {
 
     /// Whether an obstacle may stand between the two by more than `thickness`, metres.
     pub(super) fn holds(&self, obstacle: &Obstacle<'_>, thickness: f64, anywhere: bool) -> bool {
-        let crosses = |points: &[DVec3]| {
-            let offset = obstacle.plane.dot(obstacle.corners[0]);
-            points
-                .iter()
-                .map(|p| obstacle.plane.dot(*p) - offset)
-                .fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], height| {
-                    [low.min(height), high.max(height)]
-                })
-        };
-        let [low, high] = crosses(&self.receiver);
-        let [emitter_low, emitter_high] = crosses(&self.emitter);
+        let [low, high] = heights(&self.receiver, obstacle);
+        let [emitter_low, emitter_high] = heights(&self.emitter, obstacle);
         let is_beside = low.min(emitter_low) >= -thickness || high.max(emitter_high) <= thickness;
         !is_beside
             && (anywhere || !obstacle.is_needless([low, high], thickness))
@@ -113,6 +108,11 @@ impl Shaft {
                 .planes
                 .iter()
                 .all(|(normal, offset)| obstacle.corners.iter().any(|c| normal.dot(*c) > offset + thickness))
+    }
+
+    /// Whether an obstacle [is needless](Obstacle::is_needless) as seen from the cell.
+    pub(super) fn needs_not(&self, obstacle: &Obstacle<'_>, thickness: f64) -> bool {
+        obstacle.is_needless(heights(&self.receiver, obstacle), thickness)
     }
 
     /// Whether an obstacle hides all of the emitter from all of the cell: what a convex obstacle hides of a convex
@@ -136,4 +136,13 @@ impl Shaft {
             })
         })
     }
+}
+
+/// Least and greatest height of points over the plane of an obstacle, metres.
+fn heights(points: &[DVec3], obstacle: &Obstacle<'_>) -> [f64; 2] {
+    let offset = obstacle.plane.dot(obstacle.corners[0]);
+    points
+        .iter()
+        .map(|p| obstacle.plane.dot(*p) - offset)
+        .fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], height| [low.min(height), high.max(height)])
 }

@@ -33,8 +33,10 @@ pub(super) fn find(scene: &Scene, mesh: &PatchMesh) -> Finding {
         evidence,
         predicted_cost: match mesh.panes.is_tinted() {
             true => "a cut with each pane a row, and direct light of each lamp in three bands".to_owned(),
-            false => "a cut with each pane a row; direct light in as many parts more as panes stand before a lamp"
-                .to_owned(),
+            false => {
+                "a cut with each pane a row; direct light in as many parts more as panes stand before a lamp"
+                    .to_owned()
+            }
         },
     }
 }

@@ -3,9 +3,9 @@
 
 use super::ray_rows::without_dark;
 use super::row::RowBuffer;
-use crate::geometry::Frame;
+use crate::geometry::{Frame, Ray};
 use crate::mesh::{Backing, NO_PATCH, PatchMesh};
-use crate::visibility::{Glass, THICKNESS, Viewer};
+use crate::visibility::{RayScene, THICKNESS, Viewer};
 use glam::DVec3;
 
 /// The top and four half faces.
@@ -79,12 +79,13 @@ impl Hemicube {
         (self.top.iter().sum(), self.side.iter().sum())
     }
 
-    /// Adds the form factors from `point` to every patch to `row`, which is empty. Cells that show a dark
+    /// Adds the form factors from `point` to every patch to `row`, which is empty; where there is glass, `rays` look for
+    /// what it leaves and mirrors. Cells that show a dark
     /// side count for nothing to a lit surface, which sees none.
     pub fn gather(
         &self,
         sampler: &mut HemicubeSampler,
-        (mesh, glass): (&PatchMesh, &Glass),
+        (mesh, rays): (&PatchMesh, Option<&RayScene>),
         point: DVec3,
         frame: &Frame,
         viewer: Viewer,
@@ -94,16 +95,19 @@ impl Hemicube {
         for face in 0..FACES {
             self.draw(sampler, mesh, point, frame, face);
             for (cell, (&patch, &delta)) in sampler.items.iter().zip(self.deltas(face)).enumerate() {
-                match patch {
-                    DARK => dark += delta,
-                    NO_PATCH => {}
-                    patch if glass.is_empty() => row.add(patch, delta),
-                    patch => {
-                        // A cell that was closed from its neighbour has no depth, and is behind whatever it meets.
+                let met = (patch < DARK).then_some(patch);
+                if patch == DARK {
+                    dark += delta;
+                }
+                match (rays, met) {
+                    (None, Some(patch)) => row.add(patch, delta),
+                    (None, None) => {}
+                    (Some(rays), met) => {
                         let to = self.towards(face, cell, frame);
+                        // A cell that was closed from its neighbour has no depth, and is behind whatever it meets.
                         let distance = to.length() / sampler.depths[cell].max(f64::MIN_POSITIVE);
-                        let passed = glass.luminous(point, to.normalize_or_zero(), [1e-7 * mesh.size, distance]);
-                        row.add(patch, delta * passed);
+                        let ray = Ray { origin: point, direction: to.normalize_or_zero() };
+                        rays.by_glass(&ray, (met, distance), |patch, share| row.add(patch, delta * share));
                     }
                 }
             }

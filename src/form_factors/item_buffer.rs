@@ -128,7 +128,7 @@ mod tests {
         let mut sampler = HemicubeSampler::default();
         Hemicube::new(64).gather(
             &mut sampler,
-            (&mesh, &crate::visibility::Glass::default()),
+            (&mesh, None),
             patch.centre,
             &frame,
             Viewer::LitSurface,

@@ -17,7 +17,7 @@
 //! coordinates times it are linear in x. An edge seen from the receiver has cot(theta) =
 //! p cos(phi) + q sin(phi), with p and q from the cross product of its ends: no division a crossing.
 
-mod dimmed;
+mod glass;
 
 use super::row::RowBuffer;
 use crate::geometry::Frame;
@@ -126,6 +126,13 @@ pub struct LineSampler {
     active: Vec<Interval>,
     /// Those of the half-plane at hand.
     before: Vec<Interval>,
+    /// What is seen on it behind them: solid spans.
+    solid: Vec<Interval>,
+    /// Visible parts of panes, each with its half-plane.
+    open: Vec<(u32, Interval)>,
+    /// What panes mirror is looked for by another one, whose spans count by what `before` mirrors.
+    mirror: Option<Box<Self>>,
+    is_mirror: bool,
     /// Patch, weight and region of every visible part.
     pieces: Vec<(u32, f64, u32)>,
     /// Regions that may be seen from the present point.
@@ -155,15 +162,7 @@ impl LineSampler {
         let n = fan.directions.len();
         let &Viewpoint { point, turn, viewer, .. } = from;
         let frame = from.frame.turned(turn * TAU / n as f64);
-        self.seen.clear();
-        self.missed.clear();
-        for lines in [&mut self.lines, &mut self.panes] {
-            lines.resize_with(n, Vec::new);
-            lines.iter_mut().for_each(Vec::clear);
-        }
-        if self.counts.len() < n {
-            self.counts.resize(n, 0);
-        }
+        self.clear(n);
         let mut candidates = std::mem::take(&mut self.candidates);
         let near = [scene.contact(), scene.thickness()];
         scene.culling.candidates(point, frame.normal, near, &mut candidates);
@@ -172,11 +171,12 @@ impl LineSampler {
         }
         self.candidates = candidates;
         let per_line = 1.0 / n as f64;
-        self.pieces.clear();
         for k in 0..n {
             let mut line = std::mem::take(&mut self.lines[k]);
             std::mem::swap(&mut self.before, &mut self.panes[k]);
+            self.solid.clear();
             self.sweep((scene, glass), &mut line, fan.directions[k]);
+            self.note_open_panes(k as u32);
             std::mem::swap(&mut self.before, &mut self.panes[k]);
             self.lines[k] = line;
         }
@@ -220,6 +220,24 @@ impl LineSampler {
         }
         for &(patch, amount, seen) in &self.pieces {
             row.add(patch, amount * per_line * self.seen[seen as usize].ratio);
+        }
+        if !self.open.is_empty() {
+            self.add_mirrored((scene, glass), fan, (from, &frame), row);
+        }
+    }
+
+    /// Forgets what was seen; there are so many half-planes.
+    fn clear(&mut self, half_planes: usize) {
+        self.seen.clear();
+        self.missed.clear();
+        self.pieces.clear();
+        self.open.clear();
+        for lines in [&mut self.lines, &mut self.panes] {
+            lines.resize_with(half_planes, Vec::new);
+            lines.iter_mut().for_each(Vec::clear);
+        }
+        if self.counts.len() < half_planes {
+            self.counts.resize(half_planes, 0);
         }
     }
 
@@ -482,6 +500,9 @@ impl LineSampler {
         end: f64,
         [cos, sin]: [f64; 2],
     ) {
+        if !self.before.is_empty() && !self.is_mirror {
+            self.solid.push(Interval { start, end, ..*interval });
+        }
         let seen = &mut self.seen[interval.seen as usize];
         let region = &scene.regions[seen.region as usize];
         let start_weight = weight_of(start);

@@ -21,10 +21,9 @@ pub(super) fn gather(
     let mut dark = 0.0;
     for k in 0..count {
         let direction = frame.world(cosine_direction(k, count, turn));
-        match scene.seen_through_glass(point, direction) {
-            Some((NO_PATCH, true, _)) => dark += each,
-            Some((NO_PATCH, false, _)) | None => {}
-            Some((patch, _, passed)) => row.add(patch, each * passed),
+        let met = scene.seen_by_glass(point, direction, |patch, share| row.add(patch, each * share));
+        if let Some((NO_PATCH, true)) = met {
+            dark += each;
         }
     }
     if viewer == Viewer::LitSurface {

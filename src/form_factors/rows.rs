@@ -401,7 +401,7 @@ impl RowComputer {
             Sampler::Hemicube(cube, turned) => {
                 // Turned, edges do not run along rows of cells.
                 let frame = if *turned { frame.turned(turn * std::f64::consts::TAU) } else { frame };
-                let scene = (&*self.mesh, self.rays.glass());
+                let scene = (&*self.mesh, Some(&self.rays).filter(|rays| !rays.glass().is_empty()));
                 cube.gather(&mut scratch.hemicube, scene, point, &frame, viewer, &mut scratch.row);
             }
             Sampler::Rays(count) => {

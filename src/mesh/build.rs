@@ -60,7 +60,13 @@ pub enum Backs {
 
 impl Default for MeshSettings {
     fn default() -> Self {
-        Self { target: PatchTarget::Auto, backs: Backs::Reached, textures: true, glass: true, refinement: None }
+        Self {
+            target: PatchTarget::Auto,
+            backs: Backs::Reached,
+            textures: true,
+            glass: true,
+            refinement: None,
+        }
     }
 }
 

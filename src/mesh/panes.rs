@@ -111,8 +111,11 @@ impl Panes {
         let (triangles, owners) = self.triangles();
         let tree = Bvh::build(&triangles);
         let (near, reach) = (COINCIDENT * size, THICK.min(SHARE * size));
-        let middles: Vec<DVec3> =
-            self.list.iter().map(|pane| pane.corners.iter().sum::<DVec3>() / pane.corners.len() as f64).collect();
+        let middles: Vec<DVec3> = self
+            .list
+            .iter()
+            .map(|pane| pane.corners.iter().sum::<DVec3>() / pane.corners.len() as f64)
+            .collect();
         // 1. What lies in another one counts once: as the first.
         let mut is_twin = vec![false; self.list.len()];
         for (index, pane) in self.list.iter().enumerate() {
@@ -148,7 +151,8 @@ impl Panes {
         for index in 0..self.list.len() {
             let Some((side, (other, distance))) = closer(index) else { continue };
             // Between two panes of a unit the nearer surface is the other one of the same pane.
-            let is_closest = closer(other).is_none_or(|(_, (_, least))| distance <= least * (1.0 + 1e-6) + near);
+            let is_closest =
+                closer(other).is_none_or(|(_, (_, least))| distance <= least * (1.0 + 1e-6) + near);
             let (one, two) = (&self.list[index], &self.list[other]);
             let is_body = objects[index] == objects[other] && one.normal.dot(two.normal) < 0.0 && side == 1;
             if is_closest && (distance <= THIN || is_body) {
@@ -187,7 +191,9 @@ mod tests {
     /// The panes of a model of glass quads in the planes z = so much, each with the direction that it faces, beside a floor.
     fn panes(quads: &[(f64, bool)], is_one_object: bool) -> Panes {
         let folder = tempfile::tempdir().expect("a folder");
-        let mut text = String::from("mtllib m.mtl\nv 0 0 0\nv 5 0 0\nv 5 0 5\nv 0 0 5\nusemtl floor\no floor\nf 4 3 2 1\nusemtl glass\n");
+        let mut text = String::from(
+            "mtllib m.mtl\nv 0 0 0\nv 5 0 0\nv 5 0 5\nv 0 0 5\nusemtl floor\no floor\nf 4 3 2 1\nusemtl glass\n",
+        );
         for (k, (z, faces_up_z)) in quads.iter().enumerate() {
             if k == 0 || !is_one_object {
                 text += &format!("o pane{k}\n");
@@ -198,8 +204,11 @@ mod tests {
             text += if *faces_up_z { "f -4 -3 -2 -1\n" } else { "f -1 -2 -3 -4\n" };
         }
         std::fs::write(folder.path().join("m.obj"), text).expect("written");
-        std::fs::write(folder.path().join("m.mtl"), "newmtl floor\nKd .5 .5 .5\nnewmtl glass\nKd 0 0 0\nd .2\nNi 1.5\n")
-            .expect("written");
+        std::fs::write(
+            folder.path().join("m.mtl"),
+            "newmtl floor\nKd .5 .5 .5\nnewmtl glass\nKd 0 0 0\nd .2\nNi 1.5\n",
+        )
+        .expect("written");
         let scene = load(&SceneSource::File(folder.path().join("m.obj"))).expect("a scene");
         let mesh = build(&scene, &MeshSettings::default()).expect("a mesh");
         assert_eq!(mesh.regions.len(), 1, "glass is no region");
@@ -214,7 +223,11 @@ mod tests {
     fn glass_counts_once_however_it_is_modelled() {
         assert_eq!(dims(&[(1.0, true)], true), [[true, true]], "a sheet from both sides");
         assert_eq!(dims(&[(1.0, true), (1.0, false)], true), [[true, true]], "a sheet once per side");
-        assert_eq!(dims(&[(1.0, true), (1.0, true)], false), [[true, true]], "a sheet that stands there twice");
+        assert_eq!(
+            dims(&[(1.0, true), (1.0, true)], false),
+            [[true, true]],
+            "a sheet that stands there twice"
+        );
         let both = dims(&[(1.0, false), (1.006, true)], false);
         assert_eq!(both, [[true, false]; 2], "a pane of 6 mm where light enters it");
         let both = dims(&[(1.0, true), (1.006, false)], false);

@@ -165,7 +165,8 @@ impl StillInput<'_> {
             let radiosity: [f32; 3] = std::array::from_fn(|b| behind[b] * passed[b] as f32);
             add(&mut pixel.radiance, radiosity, share / PI);
             // As in the window: what a pane mirrors looks middling grey.
-            let sheen = MIDDLE_GREY as f32 * glass.mirrored(ray.origin, ray.direction, [0.0, distance]) as f32;
+            let sheen =
+                MIDDLE_GREY as f32 * glass.mirrored(ray.origin, ray.direction, [0.0, distance]) as f32;
             let exposed = std::array::from_fn(|b| radiosity[b] * factors[b] + sheen);
             add(&mut pixel.display, options.tone_map.apply(exposed), share);
         }

@@ -36,7 +36,9 @@ impl Understood {
     pub(super) fn told(self) -> &'static str {
         match self {
             Self::Opacity => "see-through materials (d below 1) are glass here",
-            Self::Transparency => "materials that are see-through by a Tr alone (taken as 1 - d) are glass here",
+            Self::Transparency => {
+                "materials that are see-through by a Tr alone (taken as 1 - d) are glass here"
+            }
             Self::Filter => "materials with a Tf and an illumination model of glass are glass here",
         }
     }
@@ -113,7 +115,9 @@ impl Asked {
         let Self { transmittance, panes, glass } = self;
         if glass == Some(false) {
             if transmittance.is_some() || panes.is_some() {
-                return Err("is not glass (glass = false), so it takes no transmittance and no panes".to_owned());
+                return Err(
+                    "is not glass (glass = false), so it takes no transmittance and no panes".to_owned()
+                );
             }
             material.glazing = None;
             return Ok(());
@@ -131,7 +135,8 @@ impl Asked {
         const CLEAR: f64 = 0.88;
         let usual = || known.map_or([CLEAR.powi(panes as i32); 3], |glazing| glazing.transmittance(1.0));
         let wanted = transmittance.map_or_else(usual, SharesKey::bands);
-        let unit = Glazing::of_unit(panes, index, wanted).map_err(|error| format!("cannot be such glass: {error}"))?;
+        let unit = Glazing::of_unit(panes, index, wanted)
+            .map_err(|error| format!("cannot be such glass: {error}"))?;
         material.glazing = Some(unit);
         Ok(())
     }
@@ -167,7 +172,10 @@ mod tests {
         assert_eq!(passes(Passing { d: Some(0.1), filter, ..glass }), Some([0.78; 3]));
         assert_eq!(passes(Passing { filter, ..glass }), Some([0.78; 3]));
         // Some programs write this on every wall.
-        assert_eq!(passes(Passing { filter: Some([1.0; 3]), model: Some(4.0), d: Some(1.0), ..OPAQUE }), None);
+        assert_eq!(
+            passes(Passing { filter: Some([1.0; 3]), model: Some(4.0), d: Some(1.0), ..OPAQUE }),
+            None
+        );
         assert_eq!(passes(Passing { filter: Some([0.0; 3]), model: Some(4.0), ..OPAQUE }), None);
         // Without a model of glass d is what counts, and the filter its tint.
         let tinted = Passing { d: Some(0.5), filter: Some([0.4, 0.8, 0.6]), ..OPAQUE };

@@ -100,7 +100,8 @@ pub(super) fn read(
             remarks.add(FindingKind::Material, Severity::Warning, what, format!("'{}'", names::short(name)));
         }
     }
-    let all_vanish = Passing::all_vanish(blocks.iter().filter(|block| block.defined).map(|block| &block.passing));
+    let all_vanish =
+        Passing::all_vanish(blocks.iter().filter(|block| block.defined).map(|block| &block.passing));
     if all_vanish {
         let message = "every material is wholly transparent by its d or Tr, which no program means; all were taken as opaque";
         materials.findings.push(Finding::new(FindingKind::Material, Severity::Warning, message));

@@ -2,12 +2,12 @@
 
 use super::error::SceneError;
 use super::finding::{Finding, FindingKind, Severity};
+use super::glass::Asked;
 use super::lamp_entry::LampEntry;
 use super::mtl::repair_reflectance;
 use super::names;
 use super::outdoors::DaylightChoice;
 use super::photometric::Attitude;
-use super::glass::Asked;
 use super::selection::{material_names, meant};
 use super::text::folded;
 use super::types::{LengthUnit, MAX_REFLECTANCE, Material, Sides, UpAxis, View};
@@ -347,9 +347,9 @@ impl Sidecar {
                 material.sides = sides.into();
             }
             let asked = Asked { transmittance: entry.transmittance, panes: entry.panes, glass: entry.glass };
-            asked
-                .apply(material)
-                .map_err(|fault| source.error_at(entry.name.span().start, format!("'{}' {fault}", names::short(name))))?;
+            asked.apply(material).map_err(|fault| {
+                source.error_at(entry.name.span().start, format!("'{}' {fault}", names::short(name)))
+            })?;
         }
         Ok(())
     }

@@ -33,9 +33,12 @@ fn costs(
     let without_glass = computer.without_glass();
     for effect in Effect::ALL.into_iter().filter(|&e| plan.is_on(e)) {
         let seconds = match effect {
-            Effect::Visibility => timings.rows * share_of(computer, |scratch, patch| {
-                drop(computer.unoccluded_row(patch, scratch));
-            }),
+            Effect::Visibility => {
+                timings.rows
+                    * share_of(computer, |scratch, patch| {
+                        drop(computer.unoccluded_row(patch, scratch));
+                    })
+            }
             Effect::ColourBands => {
                 timings.sweeps * (1.0 - columns_read(lamps) as f64 / columns_read(3 * lamps).max(1) as f64)
             }
@@ -43,9 +46,12 @@ fn costs(
                 let backs = mesh.patches.iter().filter(|p| p.side == Side::Back).count();
                 (timings.rows + timings.sweeps) * backs as f64 / patches as f64
             }
-            Effect::Glass => timings.rows * share_of(computer, |scratch, patch| {
-                drop(without_glass.row(patch, scratch));
-            }),
+            Effect::Glass => {
+                timings.rows
+                    * share_of(computer, |scratch, patch| {
+                        drop(without_glass.row(patch, scratch));
+                    })
+            }
             Effect::Textures | Effect::SmoothSurfaces => 0.0,
         };
         if let Some(decision) = measured.decisions.iter_mut().find(|d| d.effect == effect) {

@@ -129,6 +129,33 @@ impl Culling {
         found.sort_unstable();
     }
 
+    /// Fills `found` with the regions that may have a part where all of these `n·x >= c`, whatever hides them.
+    pub(crate) fn within(&self, planes: &[(DVec3, f64)], found: &mut Vec<u32>) {
+        found.clear();
+        if self.nodes.is_empty() {
+            return;
+        }
+        let is_outside = |node: &Node| {
+            planes
+                .iter()
+                .any(|(normal, offset)| normal.dot(node.middle) + normal.abs().dot(node.half) < *offset)
+        };
+        let mut stack = vec![0_u32];
+        while let Some(index) = stack.pop() {
+            let node = &self.nodes[index as usize];
+            if is_outside(node) {
+                continue;
+            }
+            if node.count == 0 {
+                stack.push(node.first);
+                stack.push(index + 1);
+            } else {
+                found.extend(&self.order[node.first as usize..(node.first + node.count) as usize]);
+            }
+        }
+        found.sort_unstable();
+    }
+
     /// The shadows of the blockers that cover most of the view.
     fn shadows(&self, point: DVec3, normal: DVec3, contact: f64, thickness: f64) -> Vec<Shadow> {
         let mut ranked: Vec<(f64, usize)> = Vec::new();

@@ -98,6 +98,39 @@ impl Glass {
         left
     }
 
+    /// Calls `found` with each place on such a line at which a pane mirrors, the direction that is mirrored there, and
+    /// the share of its light, by luminance, that arrives: what the pane mirrors and those before it leave.
+    pub fn each_mirror(
+        &self,
+        origin: DVec3,
+        direction: DVec3,
+        [from, to]: [f64; 2],
+        mut found: impl FnMut(DVec3, DVec3, f64),
+    ) {
+        let dims = |triangle: u32| {
+            let pane = &self.panes.list[self.owners[triangle as usize] as usize];
+            pane.dims[usize::from(pane.normal.dot(direction) > 0.0)]
+        };
+        let (mut left, mut from) = (1.0, from);
+        for _ in 0..MOST_MET {
+            let Some(hit) = self.tree.nearest_where(&Ray { origin, direction }, from, to, dims) else {
+                return;
+            };
+            let pane = &self.panes.list[self.owners[hit.triangle as usize] as usize];
+            let cos = pane.normal.dot(direction);
+            let kind = &self.panes.kinds[pane.kind as usize];
+            let mirrored = direction - 2.0 * cos * pane.normal;
+            found(
+                origin + hit.distance * direction,
+                mirrored,
+                left * luminance_weighted(kind.reflectance(cos)),
+            );
+            left *= luminance_weighted(kind.transmittance(cos));
+            // The next one is another pane, not the other triangle of this.
+            from = hit.distance * (1.0 + 1e-9) + 1e-9;
+        }
+    }
+
     /// The share that the nearest pane on such a line mirrors, by luminance; nothing without a pane.
     pub fn mirrored(&self, origin: DVec3, direction: DVec3, [from, to]: [f64; 2]) -> f64 {
         let dims = |triangle: u32| {
@@ -137,7 +170,9 @@ mod tests {
     fn glass() -> Glass {
         let folder = tempfile::tempdir().expect("a folder");
         let mut text = String::from("mtllib m.mtl\nusemtl floor\n");
-        for (z, name, up) in [(0.0, "floor", true), (1.0, "glass", true), (2.0, "glass", false), (2.01, "glass", true)] {
+        for (z, name, up) in
+            [(0.0, "floor", true), (1.0, "glass", true), (2.0, "glass", false), (2.01, "glass", true)]
+        {
             text += &format!("usemtl {name}\n");
             for (x, y) in [(0, 0), (2, 0), (2, 2), (0, 2)] {
                 text += &format!("v {x} {y} {z}\n");

@@ -73,10 +73,38 @@ impl RayScene {
         Some((self.patches[triangle][side], self.dark[triangle][side], hit.distance))
     }
 
-    /// As [`Self::seen`], and what panes leave of the light on the way, by luminance.
-    pub(crate) fn seen_through_glass(&self, point: DVec3, direction: DVec3) -> Option<(u32, bool, f64)> {
-        let (patch, dark, distance) = self.hit(point, direction)?;
-        Some((patch, dark, self.glass.luminous(point, direction, [self.offset, distance - self.offset])))
+    /// As [`Self::seen`]; `add` is called with the patch and what panes leave of its light on the way, by luminance, and
+    /// with each patch that one of them mirrors, by what it mirrors.
+    pub(crate) fn seen_by_glass(
+        &self,
+        point: DVec3,
+        direction: DVec3,
+        mut add: impl FnMut(u32, f64),
+    ) -> Option<(u32, bool)> {
+        let met = self.hit(point, direction);
+        let distance = met.map_or(f64::INFINITY, |(_, _, distance)| distance);
+        let patch = met.map(|met| met.0).filter(|&patch| patch != NO_PATCH);
+        self.by_glass(&Ray { origin: point, direction }, (patch, distance), &mut add);
+        met.map(|(patch, dark, _)| (patch, dark))
+    }
+
+    /// The same where it is known what a ray meets, and in which distance, metres for a unit direction.
+    pub(crate) fn by_glass(
+        &self,
+        ray: &Ray,
+        (met, distance): (Option<u32>, f64),
+        mut add: impl FnMut(u32, f64),
+    ) {
+        let range = [self.offset, distance - self.offset];
+        if let Some(patch) = met {
+            add(patch, self.glass.luminous(ray.origin, ray.direction, range));
+        }
+        self.glass.each_mirror(ray.origin, ray.direction, range, |from, mirrored, share| {
+            if let Some((patch, _, distance)) = self.hit(from, mirrored).filter(|met| met.0 != NO_PATCH) {
+                let way = [self.offset, distance - self.offset];
+                add(patch, share * self.glass.luminous(from, mirrored, way));
+            }
+        });
     }
 
     /// Forgets the panes.

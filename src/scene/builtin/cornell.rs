@@ -1,13 +1,12 @@
 //! The measured Cornell box (Cornell University Program of Computer Graphics, 1998), in millimetres.
 
 use super::writer::{Model, Output, Paint};
-use crate::scene::Sides;
 use glam::{DVec3, dvec3};
 
 /// Measured spectra as linear sRGB reflectances. Its shell is seen from inside alone.
-const WHITE: Paint = Paint { name: "white", reflectance: [0.738, 0.736, 0.739], sides: Sides::Front };
-const GREEN: Paint = Paint { name: "green", reflectance: [0.068, 0.399, 0.087], sides: Sides::Front };
-const RED: Paint = Paint { name: "red", reflectance: [0.494, 0.049, 0.051], sides: Sides::Front };
+const WHITE: Paint = Paint::solid("white", [0.738, 0.736, 0.739]);
+const GREEN: Paint = Paint::solid("green", [0.068, 0.399, 0.087]);
+const RED: Paint = Paint::solid("red", [0.494, 0.049, 0.051]);
 
 /// Radiance of the lamp, W/m²/sr, and its reflectance.
 const LAMP_RADIANCE: [f64; 3] = [20.79, 10.85, 2.77];

@@ -8,7 +8,7 @@ mod shapes;
 mod writer;
 
 /// Names of the embedded scenes; the first is the one to start with.
-pub const NAMES: &[&str] = &["hemicube", "cornell", "house", "gallery"];
+pub const NAMES: &[&str] = &["hemicube", "cornell", "house", "house-by-day", "gallery"];
 
 /// The three texts of an embedded scene, as they would stand in files.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -26,7 +26,8 @@ pub fn source(name: &str) -> Option<BuiltinSource> {
     let model = match name {
         "hemicube" => hemicube::model(),
         "cornell" => cornell::model(),
-        "house" => house::model(),
+        "house" => house::evening(),
+        "house-by-day" => house::by_day(),
         "gallery" => gallery::model(),
         _ => return None,
     };

@@ -16,17 +16,24 @@ pub(crate) struct Paint {
     pub(crate) reflectance: [f64; 3],
     /// Which sides reflect; anything but `Auto` is written to the sidecar.
     pub(crate) sides: Sides,
+    /// Of glass what it lets pass along its normal, and in how many panes.
+    pub(crate) glass: Option<(f64, u32)>,
 }
 
 impl Paint {
     /// A material of solid things and linings: nothing ever sees its back.
     pub(crate) const fn solid(name: &'static str, reflectance: [f64; 3]) -> Self {
-        Self { name, reflectance, sides: Sides::Front }
+        Self { name, reflectance, sides: Sides::Front, glass: None }
     }
 
     /// A material of thin sheets, lit on both sides.
     pub(crate) const fn sheet(name: &'static str, reflectance: [f64; 3]) -> Self {
-        Self { name, reflectance, sides: Sides::Both }
+        Self { name, reflectance, sides: Sides::Both, glass: None }
+    }
+
+    /// A glazing unit of so many panes that lets this share of light pass along its normal.
+    pub(crate) const fn glass(name: &'static str, transmittance: f64, panes: u32) -> Self {
+        Self { name, reflectance: [0.0; 3], sides: Sides::Auto, glass: Some((transmittance, panes)) }
     }
 }
 
@@ -56,6 +63,7 @@ struct Material {
     name: String,
     reflectance: [f64; 3],
     sides: Sides,
+    glass: Option<(f64, u32)>,
     /// The lamp and the exitance relative to the lamp's other materials.
     glow: Option<(LampId, f64)>,
     /// Area of its faces, square units.
@@ -124,6 +132,7 @@ pub(crate) struct Model {
     placement: Placement,
     unit: (&'static str, f64),
     patch_size: f64,
+    daylight: Option<&'static str>,
 }
 
 /// Coordinates are kept to this part of a unit, so that equal corners are equal in the text, and
@@ -147,7 +156,13 @@ impl Model {
             placement: Placement { origin: DVec3::ZERO, cos: 1.0, sin: 0.0 },
             unit,
             patch_size,
+            daylight: None,
         }
+    }
+
+    /// Puts a sky over it, by the keys of the sidecar's daylight; lamps come switched off.
+    pub(crate) fn by_day(&mut self, daylight: &'static str) {
+        self.daylight = Some(daylight);
     }
 
     /// Adds a bookmark; the first one is where to start. `fov` is vertical, degrees.
@@ -177,6 +192,7 @@ impl Model {
                 name: paint.name.to_owned(),
                 reflectance: paint.reflectance,
                 sides: paint.sides,
+                glass: paint.glass,
                 glow: None,
                 area: 0.0,
             });
@@ -198,7 +214,8 @@ impl Model {
             let parts = self.materials.iter().filter(|m| m.glow.is_some_and(|g| g.0 == lamp)).count();
             let name = if parts == 0 { format!("glow_{stem}") } else { format!("glow_{stem}_{}", parts + 1) };
             let glow = Some((lamp, weight));
-            self.materials.push(Material { name, reflectance, sides: Sides::Front, glow, area: 0.0 });
+            let sides = Sides::Front;
+            self.materials.push(Material { name, reflectance, sides, glass: None, glow, area: 0.0 });
             self.materials.len() - 1
         });
         self
@@ -309,6 +326,9 @@ impl Model {
             line(&mut out, format_args!("start = \"{}\"", first.name));
         }
         line(&mut out, format_args!("patch_size = {}", number(self.patch_size)));
+        if let Some(daylight) = self.daylight {
+            line(&mut out, format_args!("\n[daylight]\n{daylight}"));
+        }
         for view in &self.views {
             line(&mut out, format_args!("\n[[view]]\nname = \"{}\"", view.name));
             line(&mut out, format_args!("eye = [{}]", triple(view.eye, ", ")));
@@ -332,9 +352,13 @@ impl Model {
                     line(&mut out, format_args!("exitance = [{r}, {g}, {b}]"));
                 }
             }
-            line(&mut out, format_args!("on = {}", lamp.on));
+            line(&mut out, format_args!("on = {}", lamp.on && self.daylight.is_none()));
         }
         for material in &self.materials {
+            if let Some((transmittance, panes)) = material.glass {
+                line(&mut out, format_args!("\n[[material]]\nname = \"{}\"", material.name));
+                line(&mut out, format_args!("transmittance = {transmittance}\npanes = {panes}"));
+            }
             let sides = match material.sides {
                 Sides::Auto => continue,
                 Sides::Front => "front",

@@ -10,8 +10,13 @@ use crate::ui::{theme, units};
 use egui::{Button, RichText};
 
 /// The embedded scenes and what the menu says of them.
-const BUILTIN: [(&str, &str); 4] =
-    [("hemicube", "Room of 1985"), ("cornell", "Cornell box"), ("house", "House"), ("gallery", "Gallery")];
+const BUILTIN: [(&str, &str); 5] = [
+    ("hemicube", "Room of 1985"),
+    ("cornell", "Cornell box"),
+    ("house", "House in the evening"),
+    ("house-by-day", "House by day"),
+    ("gallery", "Gallery"),
+];
 
 /// Width below which the error is left to the accuracy section, points.
 const NARROW: f32 = 250.0;

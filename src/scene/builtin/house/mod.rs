@@ -1,4 +1,4 @@
-//! An evening in a small house: seven rooms around a sunken living room, and a terrace.
+//! A small house, on an evening and by day: seven rooms around a sunken living room, and a terrace.
 //!
 //! Plan, x to the east, z to the south, metres; the living room lies 0.36 lower than the rest.
 //!
@@ -21,6 +21,7 @@ mod bath;
 mod bedroom;
 mod entrance;
 mod furniture;
+mod garden;
 mod kitchen;
 mod lamps;
 mod living;
@@ -34,24 +35,44 @@ mod textiles;
 
 use super::writer::Model;
 
-pub(crate) fn model() -> Model {
+/// With its lamps on, the night before its windows.
+pub(crate) fn evening() -> Model {
     let mut m = Model::new(("m", 1.0), 0.32);
+    m.view("Living room", [5.0, 1.5, 3.75], [1.9, 0.05, 7.6], 62.0);
     views(&mut m);
-    plan::shell(&mut m);
-    living::living_room(&mut m);
-    living::gallery(&mut m);
-    kitchen::dining_room(&mut m);
-    kitchen::kitchen(&mut m);
-    entrance::hall(&mut m);
-    bedroom::bedroom(&mut m);
-    study::study(&mut m);
-    bath::bathroom(&mut m);
+    furnished(&mut m, false);
     terrace::terrace(&mut m);
     m
 }
 
+/// With a garden around it, on a clear day in March.
+pub(crate) fn by_day() -> Model {
+    let mut m = Model::new(("m", 1.0), 0.5);
+    m.by_day(DAYLIGHT);
+    m.view("Living room", [0.45, 1.35, 4.0], [4.6, 0.15, 8.2], 66.0);
+    views(&mut m);
+    furnished(&mut m, true);
+    garden::garden(&mut m);
+    m
+}
+
+/// Berlin, at the equinox, half past one.
+const DAYLIGHT: &str = "latitude = 52.52\nlongitude = 13.405\nzone = 1\ndate = \"2026-03-20\"\n\
+                        time = \"13:30\"\nsky = \"clear\"\nground = 0.2";
+
+fn furnished(m: &mut Model, by_day: bool) {
+    plan::shell(m, by_day);
+    living::living_room(m);
+    living::gallery(m);
+    kitchen::dining_room(m);
+    kitchen::kitchen(m);
+    entrance::hall(m);
+    bedroom::bedroom(m);
+    study::study(m);
+    bath::bathroom(m);
+}
+
 fn views(m: &mut Model) {
-    m.view("Living room", [5.0, 1.5, 3.75], [1.9, 0.05, 7.6], 62.0);
     m.view("Gallery", [8.35, 1.6, 4.05], [1.5, 0.75, 5.0], 62.0);
     m.view("Entrance", [9.85, 1.6, 0.25], [10.5, 1.0, 3.6], 70.0);
     m.view("Dining table", [5.35, 1.55, 3.6], [7.3, 0.75, 7.0], 62.0);

@@ -32,6 +32,8 @@ pub(crate) const STEEL: Paint = Paint::solid("steel", [0.50, 0.50, 0.51]);
 pub(crate) const MIRROR: Paint = Paint::solid("mirror_glass", [0.66, 0.69, 0.69]);
 /// A window with nothing lit behind it: of the light that falls on it little comes back.
 pub(crate) const NIGHT_GLASS: Paint = Paint::solid("night_glass", [0.04, 0.045, 0.05]);
+/// Double glazing with a coating that keeps heat in.
+pub(crate) const WINDOW_GLASS: Paint = Paint::glass("window_glass", 0.78, 2);
 pub(crate) const POT: Paint = Paint::solid("pot_terracotta", [0.52, 0.24, 0.14]);
 pub(crate) const SOIL: Paint = Paint::solid("soil", [0.08, 0.06, 0.04]);
 pub(crate) const LEAF: Paint = Paint::sheet("leaf", [0.12, 0.30, 0.08]);

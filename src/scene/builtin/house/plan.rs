@@ -4,7 +4,7 @@ use super::palette::{
     BATH_TILE, BLUE_WOOL, CEILING, CHARCOAL, CLAY, CREAM, DUSK_BLUE, JOINERY, OAK_FLOOR, PINE_GREEN, PLASTER,
     RUST, SAGE, SLATE_FLOOR, STONE_FLOOR, TERRACOTTA, WALNUT,
 };
-use super::shell::{self, Across, HEIGHT, Opening, Room, Rug, floor};
+use super::shell::{self, Across, Filled, HEIGHT, Opening, Room, Rug, floor};
 use crate::scene::builtin::shapes::Faces;
 use crate::scene::builtin::writer::Model;
 use glam::{DVec3, dvec3};
@@ -28,6 +28,17 @@ pub(crate) const TERRACE_WINDOWS: [Opening; 2] = [
     Opening::window(Across::Z, [5.9, 7.7], SOUTH, SOUTH + OUTER, [0.05, 2.25]),
 ];
 
+/// All windows, those to the terrace first, with how many panes they have side by side and where a crossbar.
+pub(crate) const WINDOWS: [(Opening, usize, Option<f64>); 7] = [
+    (TERRACE_WINDOWS[0], 4, None),
+    (TERRACE_WINDOWS[1], 2, Some(1.75)),
+    (Opening::window(Across::Z, [9.3, 10.9], SOUTH, SOUTH + OUTER, [1.2, 2.1]), 2, None),
+    (Opening::window(Across::Z, [4.2, 6.0], 0.0, -OUTER, [0.9, 2.2]), 3, None),
+    (Opening::window(Across::X, [0.7, 2.1], 0.0, -OUTER, [0.95, 2.2]), 2, Some(1.8)),
+    (Opening::window(Across::Z, [7.6, 8.4], 0.0, -OUTER, [1.45, 2.1]), 1, None),
+    (Opening::window(Across::Z, [11.0, 11.3], 0.0, -OUTER, [0.3, 2.05]), 1, None),
+];
+
 /// The rugs: they are let into the floors, so that no patches lie unseen beneath them.
 const RUGS: &[Rug] = &[
     Rug { room: "living", x: [0.95, 3.95], z: [5.4, 7.5], border: 0.12, field: &CREAM, edge: &CHARCOAL },
@@ -39,7 +50,7 @@ const RUGS: &[Rug] = &[
 ];
 
 /// Rooms with their openings, floor levels and doors.
-pub(crate) fn shell(m: &mut Model) {
+pub(crate) fn shell(m: &mut Model, by_day: bool) {
     let inner = |across, along, through, head, floor| Opening::door(across, along, through, head, floor);
     let doors = [
         inner(Across::Z, [2.1, 2.9], [3.2, 3.32], 2.05, &OAK_FLOOR),
@@ -48,26 +59,22 @@ pub(crate) fn shell(m: &mut Model) {
         inner(Across::X, [3.45, 4.3], [9.24, 9.36], 2.2, &STONE_FLOOR),
         inner(Across::X, [5.2, 7.4], [8.48, 8.6], 2.25, &STONE_FLOOR),
     ];
-    let windows = [
-        (TERRACE_WINDOWS[0], 4, None),
-        (TERRACE_WINDOWS[1], 2, Some(1.75)),
-        (Opening::window(Across::Z, [9.3, 10.9], SOUTH, SOUTH + OUTER, [1.2, 2.1]), 2, None),
-        (Opening::window(Across::Z, [4.2, 6.0], 0.0, -OUTER, [0.9, 2.2]), 3, None),
-        (Opening::window(Across::X, [0.7, 2.1], 0.0, -OUTER, [0.95, 2.2]), 2, Some(1.8)),
-        (Opening::window(Across::Z, [7.6, 8.4], 0.0, -OUTER, [1.45, 2.1]), 1, None),
-        (Opening::window(Across::Z, [11.0, 11.3], 0.0, -OUTER, [0.3, 2.05]), 1, None),
-    ];
     // The gallery runs on to the entrance: no wall there.
     let join = inner(Across::X, [3.32, 4.4], [8.48, 8.48], HEIGHT, &OAK_FLOOR);
     let mut openings = doors.to_vec();
     for opening in &openings {
         opening.reveal(m);
     }
-    for (k, (window, panes, transom)) in windows.iter().enumerate() {
+    for (k, (window, panes, transom)) in WINDOWS.iter().enumerate() {
         let inside = if window.through[0] == SOUTH { Faces::BACK } else { Faces::FRONT };
-        window.frame(m, *panes, *transom, inside, k >= TERRACE_WINDOWS.len());
+        let filled = match by_day {
+            true => Filled::ByGlass,
+            false if k < TERRACE_WINDOWS.len() => Filled::ByNothing,
+            false => Filled::ByNight,
+        };
+        window.frame(m, *panes, *transom, inside, filled);
     }
-    openings.extend(windows.iter().map(|w| w.0));
+    openings.extend(WINDOWS.iter().map(|w| w.0));
     openings.push(join);
 
     let plain = [&PLASTER; 4];

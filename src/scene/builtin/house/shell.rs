@@ -1,6 +1,6 @@
 //! Rooms, the openings between them, windows and doors.
 
-use super::palette::{CEILING, DARK_FRAME, JOINERY, NIGHT_GLASS, PLASTER};
+use super::palette::{CEILING, DARK_FRAME, JOINERY, NIGHT_GLASS, PLASTER, WINDOW_GLASS};
 use crate::scene::builtin::shapes::{Faces, Hole, rectangle};
 use crate::scene::builtin::writer::{Model, Paint};
 use glam::{DVec3, dvec3};
@@ -12,6 +12,17 @@ pub(crate) enum Across {
     X,
     /// A wall that runs along x.
     Z,
+}
+
+/// What is between the bars of a window.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Filled {
+    /// Nothing: one sees through.
+    ByNothing,
+    /// Panes that are black against the night; the window ends there.
+    ByNight,
+    /// Panes of glass.
+    ByGlass,
 }
 
 /// A hole through a wall, in the coordinates of the house.
@@ -196,9 +207,16 @@ impl Opening {
     }
 
     /// A window: the reveal, and in its middle a frame with upright mullions between `panes` panes
-    /// and a crossbar at `transom` where given; `inside` is its face towards the room. The panes are
-    /// black against the night where `dark`, and the window ends there; else one sees through.
-    pub(crate) fn frame(&self, m: &mut Model, panes: usize, transom: Option<f64>, inside: Faces, dark: bool) {
+    /// and a crossbar at `transom` where given; `inside` is its face towards the room.
+    pub(crate) fn frame(
+        &self,
+        m: &mut Model,
+        panes: usize,
+        transom: Option<f64>,
+        inside: Faces,
+        filled: Filled,
+    ) {
+        let dark = filled == Filled::ByNight;
         let (bar, half) = (0.05, 0.03);
         let [sill, head] = self.height;
         let depth = self.through[1] - self.through[0];
@@ -237,7 +255,13 @@ impl Opening {
                     m.block([left, y, z0], [right, y + 0.6 * bar, z1], level);
                     bays = vec![[low, y], [y + 0.6 * bar, high]];
                 }
-                if dark {
+                if filled == Filled::ByGlass {
+                    m.object("window_panes").paint(&WINDOW_GLASS);
+                    for [y0, y1] in bays {
+                        let (width, height) = (DVec3::X * (right - left), DVec3::Y * (y1 - y0));
+                        m.quad(dvec3(left, y0, 0.5 * (z0 + z1)), width, height);
+                    }
+                } else if dark {
                     m.object("window_panes").paint(&NIGHT_GLASS);
                     for [y0, y1] in bays {
                         // Set back as far as the frame is deep.

@@ -9,9 +9,9 @@ use crate::scene::builtin::shapes::Faces;
 use crate::scene::builtin::writer::{LampId, Model, Output, Paint};
 use glam::{DVec3, dvec3};
 
-const DECK: Paint = Paint::solid("larch_deck", [0.34, 0.23, 0.15]);
-const BOARD: Paint = Paint::solid("larch_board", [0.40, 0.26, 0.15]);
-const WEATHERED: Paint = Paint::solid("larch_weathered", [0.33, 0.24, 0.17]);
+pub(crate) const DECK: Paint = Paint::solid("larch_deck", [0.34, 0.23, 0.15]);
+pub(crate) const BOARD: Paint = Paint::solid("larch_board", [0.40, 0.26, 0.15]);
+pub(crate) const WEATHERED: Paint = Paint::solid("larch_weathered", [0.33, 0.24, 0.17]);
 
 /// West and east end and south edge of the terrace, its level, metres.
 const WEST: f64 = -0.4;

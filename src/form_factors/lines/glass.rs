@@ -1,0 +1,188 @@
+//! Spans that are seen through panes of glass, and mirrored by them.
+
+use super::{Fan, Interval, LineSampler, SHORTEST, Viewpoint, weight_of};
+use crate::form_factors::RowBuffer;
+use crate::geometry::Frame;
+use crate::scene::luminance_weighted;
+use crate::visibility::{Glass, Occluders};
+use glam::DVec3;
+
+/// Spans are cut into parts of so much x, of 2 over the whole hemisphere: what passes then is right to 1e-4 (tested).
+const LONGEST: f64 = 0.25;
+/// What a pane of a smaller form factor mirrors is left out.
+const LEAST_MIRROR: f64 = 5e-4;
+
+impl LineSampler {
+    /// The weight of a part of a visible span less what the panes before it take, each by its own angle.
+    pub(super) fn dimmed(
+        &self,
+        glass: &Glass,
+        interval: &Interval,
+        [start, end]: [f64; 2],
+        weight: f64,
+    ) -> f64 {
+        if self.before.is_empty() {
+            return weight;
+        }
+        let mut sum = 0.0;
+        let mut from = start;
+        while from < end {
+            // Up to where the next pane begins or ends, or cuts through the surface behind it, and no longer than
+            // two points of its angle tell.
+            let mut to = end.min(from + LONGEST);
+            for pane in &self.before {
+                let meet = (pane.w0 - interval.w0) / (interval.w1 - pane.w1);
+                for x in [pane.start, pane.end, meet] {
+                    if x > from + SHORTEST && x < to {
+                        to = x;
+                    }
+                }
+            }
+            let middle = 0.5 * (from + to);
+            let stands = |pane: &&Interval| {
+                pane.start <= middle && middle <= pane.end && pane.w(middle) > interval.w(middle)
+            };
+            let weight = weight_of(to) - weight_of(from);
+            if self.before.iter().any(|pane| stands(&pane)) {
+                // The angle changes along it: Gauss's two points.
+                let passed: f64 = [0.211_324_865_405_187, 0.788_675_134_594_813]
+                    .iter()
+                    .map(|share| {
+                        let x = from + share * (to - from);
+                        // Length of the direction whose depth w measures.
+                        let length = (0.5 * (1.0 + x * x)).sqrt();
+                        let mut passed = [1.0; 3];
+                        for pane in self.before.iter().filter(stands) {
+                            let Some((index, to_plane)) = self.seen[pane.seen as usize].pane else {
+                                continue;
+                            };
+                            let kind = glass.panes().list[index as usize].kind;
+                            let cos = pane.w(x) * to_plane / length;
+                            let kind = &glass.panes().kinds[kind as usize];
+                            let own =
+                                if self.is_mirror { kind.reflectance(cos) } else { kind.transmittance(cos) };
+                            passed.iter_mut().zip(own).for_each(|(passed, own)| *passed *= own);
+                        }
+                        luminance_weighted(passed)
+                    })
+                    .sum();
+                sum += 0.5 * passed * weight;
+            } else {
+                sum += weight;
+            }
+            from = to;
+        }
+        sum
+    }
+
+    /// Notes which parts of the panes on the half-plane at hand are seen: nothing solid stands before them.
+    pub(super) fn note_open_panes(&mut self, line: u32) {
+        for pane in &self.before {
+            let mut from = pane.start;
+            while from < pane.end {
+                let mut to = pane.end;
+                for solid in &self.solid {
+                    let meet = (pane.w0 - solid.w0) / (solid.w1 - pane.w1);
+                    for x in [solid.start, solid.end, meet] {
+                        if x > from + SHORTEST && x < to {
+                            to = x;
+                        }
+                    }
+                }
+                let middle = 0.5 * (from + to);
+                let hides = |solid: &Interval| {
+                    solid.start <= middle && middle <= solid.end && solid.w(middle) >= pane.w(middle)
+                };
+                if to - from > SHORTEST && !self.solid.iter().any(hides) {
+                    self.open.push((line, Interval { start: from, end: to, ..*pane }));
+                }
+                from = to;
+            }
+        }
+    }
+
+    /// Adds what panes mirror to the row, each by its own angle: the spans that a receiver behind the pane would see
+    /// through it, in half-planes that are the mirrored ones (extended form factors: Wallace, Cohen & Greenberg 1987;
+    /// Sillion & Puech 1989). What is mirrored twice, and what other panes take on the way, is left out.
+    pub(super) fn add_mirrored(
+        &mut self,
+        (scene, glass): (&Occluders, &Glass),
+        fan: &Fan,
+        (from, frame): (&Viewpoint, &Frame),
+        row: &mut RowBuffer,
+    ) {
+        let per_line = 1.0 / fan.len() as f64;
+        let mut open = std::mem::take(&mut self.open);
+        let mut mirror = self.mirror.take().unwrap_or_default();
+        mirror.is_mirror = true;
+        // In the order of half-planes within each pane, as they were found.
+        open.sort_by_key(|(_, part)| part.seen);
+        for parts in open.chunk_by(|a, b| a.1.seen == b.1.seen) {
+            let weight: f64 = parts.iter().map(|(_, part)| weight_of(part.end) - weight_of(part.start)).sum();
+            let seen = self.seen[parts[0].1.seen as usize];
+            let Some((pane, to_plane)) = seen.pane.filter(|_| weight * per_line >= LEAST_MIRROR) else {
+                continue;
+            };
+            let pane = &glass.panes().list[pane as usize];
+            let mirrored = |v: DVec3| v - 2.0 * pane.normal.dot(v) * pane.normal;
+            let point = from.point + 2.0 * to_plane * pane.normal;
+            let [tangent, bitangent, normal] = [frame.tangent, frame.bitangent, frame.normal].map(mirrored);
+            let frame = Frame { tangent, bitangent, normal };
+            // 1. What may be seen through the pane from behind it, on the receiver's side.
+            let middle = pane.corners.iter().sum::<DVec3>() / pane.corners.len() as f64;
+            let before = -to_plane.signum() * pane.normal;
+            let mut planes = vec![(before, before.dot(middle)), (normal, normal.dot(point))];
+            for (k, &a) in pane.corners.iter().enumerate() {
+                let b = pane.corners[if k + 1 == pane.corners.len() { 0 } else { k + 1 }];
+                let edge = (a - point).cross(b - point).normalize_or_zero();
+                let edge = if edge.dot(middle - point) < 0.0 { -edge } else { edge };
+                planes.push((edge, edge.dot(point)));
+            }
+            mirror.clear(fan.len());
+            let mut candidates = std::mem::take(&mut mirror.candidates);
+            scene.culling.within(&planes, &mut candidates);
+            for &index in candidates.iter().filter(|&&index| scene.regions[index as usize].pane.is_none()) {
+                mirror.cut_region((scene, glass), fan, index as usize, (point, from.viewer), &frame);
+            }
+            mirror.candidates = candidates;
+            // 2. Spans within the visible parts of the pane and beyond it. The pane is its own image.
+            let own = mirror.seen.len() as u32;
+            mirror.seen.push(seen);
+            for parts in parts.chunk_by(|a, b| a.0 == b.0) {
+                let k = parts[0].0 as usize;
+                let line = std::mem::take(&mut mirror.lines[k]);
+                for (_, part) in parts {
+                    let part = Interval { seen: own, ..*part };
+                    let mut within: Vec<Interval> =
+                        line.iter().filter_map(|interval| beyond(&part, interval)).collect();
+                    mirror.before.clear();
+                    mirror.before.push(part);
+                    mirror.sweep((scene, glass), &mut within, fan.directions[k]);
+                }
+                mirror.lines[k] = line;
+            }
+            mirror.before.clear();
+            for &(patch, amount, _) in &mirror.pieces {
+                row.add(patch, amount * per_line);
+            }
+        }
+        self.mirror = Some(mirror);
+        self.open = open;
+    }
+}
+
+/// The part of an interval within a part of a pane, and farther away.
+fn beyond(pane: &Interval, interval: &Interval) -> Option<Interval> {
+    let (mut start, mut end) = (interval.start.max(pane.start), interval.end.min(pane.end));
+    // Depths are linear: it is nearer than the pane on one side of where they meet.
+    let (f0, f1) = (pane.w0 - interval.w0, pane.w1 - interval.w1);
+    let meet = -f0 / f1;
+    if f1 > 0.0 {
+        start = start.max(meet);
+    } else if f1 < 0.0 {
+        end = end.min(meet);
+    } else if f0 <= 0.0 {
+        return None;
+    }
+    (end - start > SHORTEST).then_some(Interval { start, end, ..*interval })
+}
