@@ -376,7 +376,7 @@ impl<'a> Witness<'a> {
             let distance = match self.meet(&ray) {
                 None => {
                     let passed = self.glass.luminous(origin, direction, [self.offset, f64::INFINITY]);
-                    found.add_direct(each * passed * self.from_sky(direction));
+                    found.add_direct(each * passed * self.sky_towards(direction));
                     f64::INFINITY
                 }
                 Some(met) => {
@@ -398,7 +398,7 @@ impl<'a> Witness<'a> {
                 let end = met.as_ref().map_or(f64::INFINITY, |met| met.distance - self.offset);
                 let share = share * self.glass.luminous(from, mirrored, [self.offset, end]);
                 match met {
-                    None => found.add_direct(share * self.from_sky(mirrored)),
+                    None => found.add_direct(share * self.sky_towards(mirrored)),
                     Some(met) => {
                         found.constant += share * met.reflected;
                         found.shown += share * met.shown;
@@ -507,7 +507,7 @@ impl<'a> Witness<'a> {
     }
 
     /// Pi times the luminance of the radiance of sky or ground in a direction.
-    fn from_sky(&self, direction: DVec3) -> f64 {
+    fn sky_towards(&self, direction: DVec3) -> f64 {
         self.outdoors.as_ref().map_or(0.0, |(outdoors, sky, _)| PI * sky * outdoors.radiance(direction))
     }
 

@@ -64,7 +64,7 @@ const MOST_BEAMS: usize = 8;
 /// Of so few obstacles it costs more to find those that enter a smaller shaft than to look at all of them there.
 const FEW: usize = 12;
 /// So many of the largest obstacles are tried by themselves first.
-const MOST_LARGE: u32 = 96;
+const MOST_LARGE: u32 = 24;
 /// What so many obstacles may hide is looked at by rays, so many along each edge of its outline.
 const MOST_OBSTACLES: usize = 512;
 const RAYS: u32 = 16;

@@ -17,7 +17,10 @@
 //! coordinates times it are linear in x. An edge seen from the receiver has cot(theta) =
 //! p cos(phi) + q sin(phi), with p and q from the cross product of its ends: no division a crossing.
 
+mod fan;
 mod glass;
+
+pub use fan::Fan;
 
 use super::row::RowBuffer;
 use crate::geometry::Frame;
@@ -25,31 +28,6 @@ use crate::mesh::{NO_PATCH, Side};
 use crate::visibility::{Cell, Glass, Occluders, Viewer};
 use glam::DVec3;
 use std::f64::consts::TAU;
-
-/// Azimuths of the half-planes: cosine and sine in the receiver's turned frame.
-#[derive(Clone, Debug)]
-pub struct Fan {
-    directions: Vec<[f64; 2]>,
-}
-
-impl Fan {
-    /// `half_planes` azimuths, at least 8, evenly spaced.
-    pub fn new(half_planes: u32) -> Self {
-        let n = half_planes.max(8);
-        let angle = |k: u32| TAU * (f64::from(k) + 0.5) / f64::from(n);
-        Self { directions: (0..n).map(|k| [angle(k).cos(), angle(k).sin()]).collect() }
-    }
-
-    /// How many half-planes there are.
-    pub fn len(&self) -> usize {
-        self.directions.len()
-    }
-
-    /// Never: there are at least 8.
-    pub fn is_empty(&self) -> bool {
-        self.directions.is_empty()
-    }
-}
 
 /// One region's cut with one half-plane: x from `start` to `end`, 1/depth = w0 + w1 x.
 #[derive(Clone, Copy, Debug)]
@@ -223,21 +201,6 @@ impl LineSampler {
         }
         if !self.open.is_empty() {
             self.add_mirrored((scene, glass), fan, (from, &frame), row);
-        }
-    }
-
-    /// Forgets what was seen; there are so many half-planes.
-    fn clear(&mut self, half_planes: usize) {
-        self.seen.clear();
-        self.missed.clear();
-        self.pieces.clear();
-        self.open.clear();
-        for lines in [&mut self.lines, &mut self.panes] {
-            lines.resize_with(half_planes, Vec::new);
-            lines.iter_mut().for_each(Vec::clear);
-        }
-        if self.counts.len() < half_planes {
-            self.counts.resize(half_planes, 0);
         }
     }
 

@@ -13,6 +13,21 @@ const LONGEST: f64 = 0.25;
 const LEAST_MIRROR: f64 = 5e-4;
 
 impl LineSampler {
+    /// Forgets what was seen; there are so many half-planes.
+    pub(super) fn clear(&mut self, half_planes: usize) {
+        self.seen.clear();
+        self.missed.clear();
+        self.pieces.clear();
+        self.open.clear();
+        for lines in [&mut self.lines, &mut self.panes] {
+            lines.resize_with(half_planes, Vec::new);
+            lines.iter_mut().for_each(Vec::clear);
+        }
+        if self.counts.len() < half_planes {
+            self.counts.resize(half_planes, 0);
+        }
+    }
+
     /// The weight of a part of a visible span less what the panes before it take, each by its own angle.
     pub(super) fn dimmed(
         &self,

@@ -68,9 +68,9 @@ pub(crate) fn shell(m: &mut Model, by_day: bool) {
     for (k, (window, panes, transom)) in WINDOWS.iter().enumerate() {
         let inside = if window.through[0] == SOUTH { Faces::BACK } else { Faces::FRONT };
         let filled = match by_day {
-            true => Filled::ByGlass,
-            false if k < TERRACE_WINDOWS.len() => Filled::ByNothing,
-            false => Filled::ByNight,
+            true => Filled::Glass,
+            false if k < TERRACE_WINDOWS.len() => Filled::Nothing,
+            false => Filled::Night,
         };
         window.frame(m, *panes, *transom, inside, filled);
     }

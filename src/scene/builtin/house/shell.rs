@@ -18,11 +18,11 @@ pub(crate) enum Across {
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Filled {
     /// Nothing: one sees through.
-    ByNothing,
+    Nothing,
     /// Panes that are black against the night; the window ends there.
-    ByNight,
+    Night,
     /// Panes of glass.
-    ByGlass,
+    Glass,
 }
 
 /// A hole through a wall, in the coordinates of the house.
@@ -216,7 +216,7 @@ impl Opening {
         inside: Faces,
         filled: Filled,
     ) {
-        let dark = filled == Filled::ByNight;
+        let dark = filled == Filled::Night;
         let (bar, half) = (0.05, 0.03);
         let [sill, head] = self.height;
         let depth = self.through[1] - self.through[0];
@@ -255,7 +255,7 @@ impl Opening {
                     m.block([left, y, z0], [right, y + 0.6 * bar, z1], level);
                     bays = vec![[low, y], [y + 0.6 * bar, high]];
                 }
-                if filled == Filled::ByGlass {
+                if filled == Filled::Glass {
                     m.object("window_panes").paint(&WINDOW_GLASS);
                     for [y0, y1] in bays {
                         let (width, height) = (DVec3::X * (right - left), DVec3::Y * (y1 - y0));
