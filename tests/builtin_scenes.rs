@@ -317,6 +317,10 @@ fn lamps_shine_into_free_space() {
         let (list, owners) = triangles(&scene);
         let bvh = Bvh::build(&list);
         for (index, luminaire) in scene.luminaires.iter().enumerate() {
+            // Sky and sun have no surfaces.
+            if scene.outdoors.as_ref().is_some_and(|out| [out.sky, out.sun].contains(&(index as u32))) {
+                continue;
+            }
             let (mut free, mut all) = (0.0, 0.0);
             for (triangle, &owner) in list.iter().zip(&owners) {
                 if scene.surfaces[owner].luminaire != Some(index as u32) {

@@ -11,8 +11,16 @@ use std::collections::{HashMap, HashSet};
 
 /// Corners nearer than this share of the scene's diagonal are one.
 pub(in crate::scene) const WELD: f64 = 1e-6;
-/// Open edges nearer than this share of the diagonal were meant to meet.
-pub(in crate::scene) const CRACK: f64 = 1e-4;
+/// Open edges nearer than this share of the diagonal were meant to meet, unless they are farther apart than a gap that
+/// somebody models, metres: in a house with a garden a cushion may lie 2 mm above its seat.
+const CRACK: f64 = 1e-4;
+const LEAST_GAP: f64 = 1.5e-3;
+
+/// Open edges of a model of this diagonal, metres, that are nearer to each other than this were meant to meet.
+pub(in crate::scene) fn crack(diagonal: f64) -> f64 {
+    (CRACK * diagonal).min(LEAST_GAP)
+}
+
 /// With more open edges T-vertices and cracks are not looked for.
 pub(in crate::scene) const MOST_OPEN: usize = 300_000;
 /// A hole whose rim is shorter than this, in square roots of the area of its shell, was not meant.
@@ -83,7 +91,7 @@ pub(super) fn check(survey: &Survey<'_>, findings: &mut Vec<Finding>) {
         seams.open = open;
     } else {
         let open = find_t_vertices(&mut seams, &open, positions, WELD * survey.diagonal);
-        seams.open = find_cracks(&mut seams, open, positions, CRACK * survey.diagonal);
+        seams.open = find_cracks(&mut seams, open, positions, crack(survey.diagonal));
     }
     super::topology::sort(&mut seams.joined);
     let weights: Vec<f64> = survey

@@ -10,7 +10,7 @@ mod pairs;
 mod survey;
 pub(super) mod topology;
 
-pub(super) use edges::{CRACK, MOST_OPEN, WELD};
+pub(super) use edges::{MOST_OPEN, WELD, crack};
 pub use pairs::Crossing;
 
 use super::finding::Finding;

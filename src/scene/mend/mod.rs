@@ -66,8 +66,8 @@ pub fn mend(scene: &Scene, copy: &Path) -> Result<Mended, SceneError> {
         "faces without area or there twice were dropped",
     );
     let mut added = 0;
-    for tolerance in [doctor::WELD, doctor::CRACK] {
-        added += shape.add_missing_corners(tolerance * diagonal);
+    for tolerance in [doctor::WELD * diagonal, doctor::crack(diagonal)] {
+        added += shape.add_missing_corners(tolerance);
         shape.tidy();
     }
 

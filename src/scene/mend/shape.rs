@@ -3,7 +3,7 @@
 use crate::geometry::polygon;
 use crate::scene::doctor::orientation::orient;
 use crate::scene::doctor::topology::{HalfEdge, bundles, cut, half_edges, missing, stops, weld};
-use crate::scene::doctor::{CRACK, MOST_OPEN, WELD};
+use crate::scene::doctor::{MOST_OPEN, WELD, crack};
 use crate::scene::luminaires::turn;
 use crate::scene::obj::{Face, Obj};
 use crate::scene::repair::repair;
@@ -49,7 +49,7 @@ impl Shape {
             corners.dedup();
             let places: Vec<DVec3> = corners.iter().map(|&c| self.scene.positions[c as usize]).collect();
             let mut names: Vec<u32> = (0..self.scene.positions.len() as u32).collect();
-            for (&corner, first) in corners.iter().zip(weld(&places, CRACK * diagonal)) {
+            for (&corner, first) in corners.iter().zip(weld(&places, crack(diagonal))) {
                 names[corner as usize] = corners[first as usize];
             }
             gone += self.rename(&names);

@@ -59,7 +59,8 @@ pub(crate) fn garden(m: &mut Model) {
     }
     // A hedge to the street, a fence of two tones to the neighbours.
     m.object("hedge").paint(&HEDGE);
-    m.block([LAWN_X[0], LAWN, LAWN_Z[1] - 1.2], [LAWN_X[1], 1.5, LAWN_Z[1] - 0.2], Faces::STANDING);
+    let [west, east] = [LAWN_X[0] + 0.2, LAWN_X[1] - 0.2];
+    m.block([west, LAWN, LAWN_Z[1] - 1.2], [east, 1.5, LAWN_Z[1] - 0.2], Faces::STANDING);
     m.object("fence");
     let boards = 12;
     let pitch = 13.0 / f64::from(boards);

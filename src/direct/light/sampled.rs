@@ -1,0 +1,94 @@
+//! Direct light by few rays, where what hides it is too much to be cut out.
+
+use super::{DirectLight, FEW_RAYS, Scratch, along_for};
+use crate::emitters::Source;
+use glam::DVec3;
+
+impl DirectLight {
+    /// As [`Self::gather`], of all emitters and by few rays: more to those that would give the more.
+    pub(super) fn sample(
+        &self,
+        point: DVec3,
+        normal: DVec3,
+        scratch: &mut Scratch,
+        mut add: impl FnMut(&Source, [f64; 3]),
+    ) {
+        let Scratch { clipper, outline, found, relative, shares, .. } = scratch;
+        // 1. What each would give unhindered.
+        found.clear();
+        shares.clear();
+        relative.clear();
+        for (index, source) in (0_u32..).zip(&self.emitters.sources) {
+            if source.emitter.outline(point, outline).is_none() {
+                continue;
+            }
+            clipper.start(outline, normal);
+            let start = relative.len();
+            relative.extend(clipper.fragments().flatten());
+            let value: f64 = clipper.fragments().map(|f| source.emitter.irradiance(normal, f)).sum();
+            if value > 0.0 {
+                found.push(index);
+                shares.push((value, start, relative.len()));
+            }
+        }
+        // Parts of the sky count by how bright they are.
+        let counted = |index: u32, value: f64| {
+            let shares = self.emitters.sources[index as usize].shares.iter();
+            value * shares.map(|share| share.factor).fold(0.0, f64::max)
+        };
+        let whole: f64 = found.iter().zip(shares.iter()).map(|(&index, share)| counted(index, share.0)).sum();
+        // 2. What of it is seen.
+        for (&index, &(value, start, end)) in found.iter().zip(shares.iter()) {
+            let own = counted(index, value);
+            let rays = FEW_RAYS.iter().find(|(least, _)| own >= least * whole).map_or(1.0, |few| few.1);
+            let along = |share| along_for(share * rays);
+            let share = match self.visibility {
+                true => self.share_by_rays(index, point, &relative[start..end], along),
+                false => [1.0; 3],
+            };
+            add(&self.emitters.sources[index as usize], share.map(|share| share * value));
+        }
+    }
+
+    /// The share of an outline that is seen, in each band what glass leaves of it, by rays to grids over its triangles: so many `along` their edges, by
+    /// their share of its area.
+    pub(super) fn share_by_rays(
+        &self,
+        source: u32,
+        point: DVec3,
+        corners: &[DVec3],
+        along: impl Fn(f64) -> u32,
+    ) -> [f64; 3] {
+        let emitter = &self.emitters.sources[source as usize].emitter;
+        let triangles =
+            || (1..corners.len().saturating_sub(1)).map(|k| [corners[0], corners[k], corners[k + 1]]);
+        let area_of = |[a, b, c]: [DVec3; 3]| (b - a).cross(c - a).length();
+        let whole: f64 = triangles().map(area_of).sum();
+        let mut seen = [0.0; 3];
+        for triangle in triangles() {
+            let area = area_of(triangle);
+            let [a, b, c] = triangle;
+            let along = along(area / whole.max(f64::MIN_POSITIVE));
+            let mut open = [0.0; 3];
+            for i in 0..along * along {
+                // Square to triangle, evenly (Turk 1990).
+                let (u, v) = ((f64::from(i % along) + 0.5) / f64::from(along), f64::from(i / along) + 0.5);
+                let (root, v) = (u.sqrt(), v / f64::from(along));
+                let to = a * (1.0 - root) + b * (root * (1.0 - v)) + c * (root * v);
+                let hides = self.obstacles.hides(point, point + to, 5.0 * self.thickness, |obstacle| {
+                    !emitter.is_part(obstacle.region)
+                });
+                if hides {
+                    continue;
+                }
+                let length = to.length();
+                let margin = 5.0 * self.thickness;
+                let passed = self.glass.along(point, to / length, [margin, length - margin]);
+                open.iter_mut().zip(passed).for_each(|(open, passed)| *open += passed);
+            }
+            let each = area / f64::from(along * along);
+            seen.iter_mut().zip(open).for_each(|(seen, open)| *seen += each * open);
+        }
+        if whole > 0.0 { seen.map(|seen| seen / whole) } else { [0.0; 3] }
+    }
+}
