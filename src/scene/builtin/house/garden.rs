@@ -63,7 +63,7 @@ pub(crate) fn garden(m: &mut Model) {
     m.block([west, LAWN, LAWN_Z[1] - 1.2], [east, 1.5, LAWN_Z[1] - 0.2], Faces::STANDING);
     m.object("fence");
     let boards = 12;
-    let pitch = 13.0 / f64::from(boards);
+    let pitch = 12.4 / f64::from(boards);
     for k in 0..boards {
         m.paint(if k % 2 == 0 { &BOARD } else { &WEATHERED });
         let z = 10.0 + pitch * f64::from(k);
