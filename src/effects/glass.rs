@@ -14,7 +14,7 @@ pub(super) fn find(scene: &Scene, mesh: &PatchMesh) -> Finding {
     let called_for = surfaces > 0;
     let told = |n: usize| grouped(n as i64);
     let evidence = match (panes, called_for) {
-        (_, false) => "no material is glass".to_owned(),
+        (_, false) => format!("0 of {} materials are glass", scene.materials.len()),
         (0, true) => format!("{} surfaces of glass, which are opaque", told(surfaces)),
         (_, true) => format!(
             "{} {} of glass with {:.1} m²{}",
