@@ -46,10 +46,11 @@ impl AngleTable {
     }
 
     fn at(&self, cos: f64, share: impl Fn(&([f32; 3], [f32; 3])) -> [f32; 3]) -> [f64; 3] {
-        let place = cos.abs().min(1.0).sqrt() * STEPS as f64;
-        // NaN falls to the first step.
+        // NaN is above nothing.
+        let held = if cos.abs() > 0.0 { cos.abs().min(1.0) } else { 0.0 };
+        let place = held.sqrt() * STEPS as f64;
         let low = (place as usize).min(STEPS - 1);
-        let part = if place.is_nan() { 0.0 } else { place - low as f64 };
+        let part = place - low as f64;
         let (a, b) = (share(&self.steps[low]), share(&self.steps[low + 1]));
         std::array::from_fn(|k| f64::from(a[k]) + part * (f64::from(b[k]) - f64::from(a[k])))
     }
