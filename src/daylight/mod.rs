@@ -39,7 +39,7 @@ pub use error::{DaylightError, WeatherError};
 pub use outdoors::{Daylight, LUMINOUS_EFFICACY, Phase, USUAL_GROUND};
 pub use perez::{PerezSky, USUAL_WATER, water_of_dew_point};
 pub use picture::Projection;
-pub use place::{Date, LocalTime, Place};
+pub use place::{Date, LocalTime, MONTHS, Place};
 pub use presets::Weather;
 pub use sky::{Pattern, Sky};
 pub use sun::{

@@ -99,7 +99,7 @@ pub(super) fn days_of(month: u32, leap: bool) -> u32 {
 }
 
 /// English names of the months.
-const MONTHS: [&str; 12] = [
+pub const MONTHS: [&str; 12] = [
     "January",
     "February",
     "March",

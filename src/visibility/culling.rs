@@ -104,18 +104,24 @@ impl Culling {
         [contact, thickness]: [f64; 2],
         found: &mut Vec<u32>,
     ) {
+        let shadows = self.shadows(point, normal, contact, thickness);
+        self.walk(found, |node| {
+            let middle = node.middle - point;
+            normal.dot(middle) + normal.abs().dot(node.half) <= contact
+                || shadows.iter().any(|shadow| shadow.holds(middle, node.half))
+        });
+    }
+
+    /// Fills `found` with the regions of the nodes that are not left out.
+    fn walk(&self, found: &mut Vec<u32>, is_left_out: impl Fn(&Node) -> bool) {
         found.clear();
         if self.nodes.is_empty() {
             return;
         }
-        let shadows = self.shadows(point, normal, contact, thickness);
         let mut stack = vec![0_u32];
         while let Some(index) = stack.pop() {
             let node = &self.nodes[index as usize];
-            let middle = node.middle - point;
-            if normal.dot(middle) + normal.abs().dot(node.half) <= contact
-                || shadows.iter().any(|shadow| shadow.holds(middle, node.half))
-            {
+            if is_left_out(node) {
                 continue;
             }
             if node.count == 0 {
@@ -131,29 +137,11 @@ impl Culling {
 
     /// Fills `found` with the regions that may have a part where all of these `n·x >= c`, whatever hides them.
     pub(crate) fn within(&self, planes: &[(DVec3, f64)], found: &mut Vec<u32>) {
-        found.clear();
-        if self.nodes.is_empty() {
-            return;
-        }
-        let is_outside = |node: &Node| {
+        self.walk(found, |node| {
             planes
                 .iter()
                 .any(|(normal, offset)| normal.dot(node.middle) + normal.abs().dot(node.half) < *offset)
-        };
-        let mut stack = vec![0_u32];
-        while let Some(index) = stack.pop() {
-            let node = &self.nodes[index as usize];
-            if is_outside(node) {
-                continue;
-            }
-            if node.count == 0 {
-                stack.push(node.first);
-                stack.push(index + 1);
-            } else {
-                found.extend(&self.order[node.first as usize..(node.first + node.count) as usize]);
-            }
-        }
-        found.sort_unstable();
+        });
     }
 
     /// The shadows of the blockers that cover most of the view.

@@ -1,28 +1,12 @@
 //! The sky over the model: day, hour, kind of sky, place, and what they come to.
 
 use super::{Commands, Model, empty};
-use crate::daylight::{Date, DayLength, Phase};
+use crate::daylight::{Date, DayLength, MONTHS, Phase};
 use crate::scene::DaylightChoice;
 use crate::ui::command::Command;
 use crate::ui::daylight::{Day, clock, first_choice};
 use crate::ui::{theme, units};
 use egui::{Button, ComboBox, DragValue, RichText, Slider, Ui};
-
-/// Months as dates are written.
-const MONTHS: [&str; 12] = [
-    "January",
-    "February",
-    "March",
-    "April",
-    "May",
-    "June",
-    "July",
-    "August",
-    "September",
-    "October",
-    "November",
-    "December",
-];
 
 /// Cities: latitude, longitude, and hours ahead of UTC in winter and in summer.
 const CITIES: [(&str, f64, f64, [f64; 2]); 12] = [
