@@ -202,11 +202,15 @@ fn an_interrupt_ends_a_solve_and_leaves_nothing() {
 fn embedded_scenes_are_listed_and_written_out_without_overwriting_edits() {
     let place = Workplace::with_room(0.5);
     let list = place.succeed(&["scenes"]);
-    for name in ["builtin:hemicube", "builtin:cornell", "builtin:house", "builtin:gallery"] {
-        assert!(list.contains(name), "{list}");
-    }
+    let names = ["hemicube", "cornell", "house", "house-by-day", "gallery"];
     let told = place.succeed(&["scenes", "--export", "out"]);
-    assert_eq!(told.lines().count(), 12, "{told}");
+    for name in names {
+        assert!(list.contains(&format!("builtin:{name} ")), "{list}");
+        for end in ["obj", "mtl", "toml"] {
+            assert!(told.lines().any(|line| line == format!("out/{name}.{end}")), "{told}");
+        }
+    }
+    assert_eq!(told.lines().count(), 3 * names.len(), "{told}");
     assert!(place.succeed(&["check", "out/hemicube.obj"]).contains("hemicube"));
     place.succeed(&["scenes", "--export", "out"]);
     place.put("out/house.toml", "unit = \"m\"\n");
