@@ -152,6 +152,93 @@ fn a_lamp_behind_a_pane_gives_what_quadrature_over_its_points_gives() {
     }
 }
 
+/// A pane that stands on edge at x = 1, before a floor that reflects nothing: y from -0.5 to 0.5, z from 0.2 to 1.5.
+fn before_a_pane() -> Quads {
+    Quads::default()
+        .level("black", [-2.0, -2.0, 3.0, 2.0], 0.0, true)
+        .quad("glass", [[1.0, -0.5, 0.2], [1.0, 0.5, 0.2], [1.0, 0.5, 1.5], [1.0, -0.5, 1.5]])
+}
+
+/// Whether a line from a point meets that pane, and the cosine of its angle there.
+fn on_pane(from: DVec3, way: DVec3) -> Option<f64> {
+    let met = from + way * ((1.0 - from.x) / way.x);
+    let is_on = way.x > 0.0 && met.y.abs() < 0.5 && (0.2..1.5).contains(&met.z);
+    is_on.then(|| way.x / way.length())
+}
+
+#[test]
+fn a_pane_mirrors_a_lamp_as_quadrature_over_its_points_has_it() {
+    let quads = before_a_pane().level("lamp", [-0.5, -0.5, 0.5, 0.5], 2.0, false);
+    // A screen over the way from the lamp to the pane, and none.
+    let screened = before_a_pane()
+        .level("lamp", [-0.5, -0.5, 0.5, 0.5], 2.0, false)
+        .quad("black", [[0.7, -2.0, 1.0], [0.7, 2.0, 1.0], [0.7, 2.0, 1.8], [0.7, -2.0, 1.8]])
+        .quad("black", [[0.69, -2.0, 1.0], [0.69, -2.0, 1.8], [0.69, 2.0, 1.8], [0.69, 2.0, 1.0]]);
+    let places = [[0.5, 0.0, 0.0], [0.8, 0.3, 0.0], [0.0, -0.4, 0.0], [-0.9, 0.2, 0.0]];
+    let pane = lumenwalk::glazing::Pane::from_transmittance(1.52, [0.88; 3]).expect("glass");
+    for (quads, screen, slack) in [(quads, None, 0.01), (screened, Some(0.7), 0.06)] {
+        let solution = solved(quads.scene(), &usual(200));
+        for (place, found) in places.iter().zip(watts(&solution, &places)) {
+            let (n, from) = (300, DVec3::from(*place));
+            let hides = |from: DVec3, way: DVec3, [near, far]: [f64; 2]| {
+                let Some(x) = screen else { return false };
+                let at = (x - from.x) / way.x;
+                at > near && at < far && (1.0..1.8).contains(&(from + way * at).z)
+            };
+            let (mut straight, mut mirrored) = (0.0, 0.0);
+            for k in 0..n * n {
+                let at = |k: i32| -0.5 + (f64::from(k) + 0.5) / f64::from(n);
+                let lamp = DVec3::new(at(k % n), at(k / n), 2.0);
+                let give = |way: DVec3| 10.0 * (way.z / way.length_squared()).powi(2) / f64::from(n * n);
+                if !hides(from, lamp - from, [0.0, 1.0]) {
+                    straight += give(lamp - from);
+                }
+                // Its image stands behind the pane.
+                let way = DVec3::new(2.0 - lamp.x, lamp.y, lamp.z) - from;
+                let Some(cos) = on_pane(from, way) else { continue };
+                let met = (1.0 - from.x) / way.x;
+                let back = DVec3::new(-way.x, way.y, way.z);
+                let turned = from + way * met - back * met;
+                if !hides(from, way, [0.0, met]) && !hides(turned, back, [met, 1.0]) {
+                    mirrored += pane.reflectance(cos)[0] * give(way);
+                }
+            }
+            let off = found[1] - straight - mirrored;
+            println!("{place:?}: {:.5} for {straight:.5} + {mirrored:.5}", found[1]);
+            assert!(off.abs() < slack * mirrored + 1e-3 * straight, "{place:?}: {off}, {mirrored} mirrored");
+        }
+    }
+}
+
+#[test]
+fn a_pane_mirrors_the_sky_to_those_before_it() {
+    let sidecar = "[daylight]\nsun = [60, 0]\nsky = \"uniform\"\nlux = [0, 10000]\nground = 0\n";
+    let scene = Arc::new(before_a_pane().read(sidecar).expect("a scene"));
+    let solution = solved(scene, &usual(200));
+    let places = [[0.9, 0.0, 0.0], [0.6, 0.2, 0.0], [-0.5, 0.0, 0.0], [1.3, 0.1, 0.0]];
+    let pane = lumenwalk::glazing::Pane::from_transmittance(1.52, [0.88; 3]).expect("glass");
+    let open = 10_000.0 / 179.0;
+    for (place, found) in places.iter().zip(watts(&solution, &places)) {
+        // Shares of what the open sky gives, by directions of equal share.
+        let (mut passed, mut mirrored) = (0.0, 0.0);
+        let n = 1000;
+        for k in 0..n * n {
+            let (r2, turn) =
+                ((f64::from(k % n) + 0.5) / f64::from(n), (f64::from(k / n) + 0.5) / f64::from(n));
+            let (sin, cos) = (std::f64::consts::TAU * turn).sin_cos();
+            let up = DVec3::new(r2.sqrt() * cos, r2.sqrt() * sin, (1.0 - r2).sqrt());
+            // Seen from behind as from before.
+            let from = DVec3::new(1.0 - (1.0 - place[0]).abs(), place[1], 0.0);
+            let glass = on_pane(from, up);
+            passed += glass.map_or(1.0, |cos| pane.transmittance(cos)[0]) / f64::from(n * n);
+            mirrored += glass.map_or(0.0, |cos| pane.reflectance(cos)[0]) / f64::from(n * n);
+        }
+        println!("{place:?}: {:.5} for {passed:.5} + {mirrored:.5}", found[1] / open);
+        let off = found[1] / open - passed - mirrored;
+        assert!(off.abs() < 0.01 * mirrored + 5e-4, "{place:?}: {off}, {mirrored} mirrored");
+    }
+}
+
 /// Two halves of a room with a partition over a parapet: glass with its thickness, or nothing.
 fn two_halves(with_glass: bool) -> Quads {
     let quads = Quads::default()
@@ -208,8 +295,7 @@ fn a_room_with_a_glass_partition_agrees_with_the_witness_and_sends_light_both_wa
     let findings = lumenwalk::study::audit(&glazed, &glazed.scene.lighting(), &audit, &|| false);
     let total = findings.expect("lit").budget.total;
     println!("{total:?}");
-    // What glass mirrors of the lamp itself is not in the solution, and counts.
-    assert!(total.error < 0.08, "{total:?}");
+    assert!(total.error < 0.06, "{total:?}");
 }
 
 #[test]

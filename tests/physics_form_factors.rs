@@ -282,7 +282,7 @@ fn a_point_in_an_empty_room_sees_every_wall_as_lambert_says() {
             (dvec3(3.9, 2.8, 4.7), dvec3(-0.3, 0.1, -1.0).normalize()),
         ] {
             let row = from_point(&prepared, point, normal);
-            let lifted = point + normal * (1e-5 * prepared.mesh.size);
+            let lifted = prepared.computer.lifted(point, normal);
             for (index, surface) in scene.surfaces.iter().enumerate() {
                 let exact = closed_form::point_to_polygon(lifted, normal, &scene.polygon(surface));
                 let patches = prepared.mesh.patches.iter().zip(&row);
@@ -359,7 +359,7 @@ fn outlines_may_be_concave_or_have_holes() {
         // From a point in the inner corner all of the floor below and the ceiling above is seen.
         let point = dvec3(1.3, 1.2, 1.1);
         for (normal, height, hole) in [(DVec3::Y, 3.0, true), (-DVec3::Y, 0.0, false)] {
-            let lifted = point + normal * (1e-5 * made.prepared.mesh.size);
+            let lifted = made.prepared.computer.lifted(point, normal);
             let part = |x0: f64, x1: f64, z0: f64, z1: f64| {
                 let at = dvec3(x0, height, z0);
                 let corners = rectangle(at, DVec3::X * (x1 - x0), DVec3::Z * (z1 - z0));

@@ -159,7 +159,7 @@ fn estimated_errors_hold_the_direct_light_behind_an_edge_in_closed_form() {
             let from = if p.x < 2.2 { p.x + (2.2 - p.x) * (3.0 - p.y) / (2.2 - p.y) } else { 2.5 };
             let from = from.clamp(2.5, 3.5);
             let lamp = [[from, 1.5], [3.5, 1.5], [3.5, 2.5], [from, 2.5]].map(|[x, z]| dvec3(x, 3.0, z));
-            100.0 * point_to_polygon(p + n * (1e-5 * solved.mesh.size), n, &lamp)
+            100.0 * point_to_polygon(solved.computer.lifted(p, n), n, &lamp)
         })
         .collect();
     let (held, error, told) = coverage(&estimated(&solved, &points), &exact);

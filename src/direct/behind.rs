@@ -107,7 +107,7 @@ impl Behind {
                 sum.iter_mut().for_each(|sum| *sum += value);
             } else {
                 let all = Through { glass, panes: &part.panes, emitter, normal };
-                all.add(&part.corners, MOST_HALVINGS, &mut sum);
+                all.add(&part.corners, &mut sum);
             }
         }
         sum
@@ -123,41 +123,61 @@ struct Through<'a> {
 }
 
 impl Through<'_> {
-    fn add(&self, corners: &[DVec3], halvings: u32, sum: &mut [f64; 3]) {
-        let middle = corners.iter().sum::<DVec3>() / corners.len() as f64;
-        let is_even = self.panes.iter().all(|&pane| {
-            let normal = self.glass.panes().list[pane as usize].normal;
-            let cosines = corners.iter().map(|c| normal.dot(c.normalize_or_zero()));
-            let (low, high) =
-                cosines.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), c| (low.min(c), high.max(c)));
-            high - low <= EVEN
-        });
-        if is_even || halvings == 0 {
+    fn add(&self, corners: &[DVec3], sum: &mut [f64; 3]) {
+        let is_even = |corners: &[DVec3]| {
+            let normal = |pane: u32| self.glass.panes().list[pane as usize].normal;
+            self.panes.iter().all(|&pane| is_even_on(normal(pane), corners))
+        };
+        each_even_part(corners, &is_even, MOST_HALVINGS, &mut |corners, direction| {
             let value = self.emitter.irradiance(self.normal, corners);
-            let direction = middle.normalize_or_zero();
             let mut left = [value; 3];
             for &pane in self.panes {
                 let passed = self.glass.passed(&self.glass.panes().list[pane as usize], direction);
                 left.iter_mut().zip(passed).for_each(|(left, passed)| *left *= passed);
             }
             sum.iter_mut().zip(left).for_each(|(sum, left)| *sum += left);
-            return;
-        }
-        if corners.len() > 3 {
-            for (k, &a) in corners.iter().enumerate() {
-                let b = corners[if k + 1 == corners.len() { 0 } else { k + 1 }];
-                self.add(&[middle, a, b], halvings - 1, sum);
-            }
-            return;
-        }
-        // Across the edge that is seen under the largest angle.
-        let cosine = |k: usize| corners[k].normalize_or_zero().dot(corners[(k + 1) % 3].normalize_or_zero());
-        let longest = (0..3).min_by(|&a, &b| cosine(a).total_cmp(&cosine(b))).unwrap_or(0);
-        let [a, b, c] = [0, 1, 2].map(|k| corners[(longest + k) % 3]);
-        // Halfway by angle, whatever the distances.
-        let (p, q) = (a.length(), b.length());
-        let half = (a * q + b * p) / (p + q).max(f64::MIN_POSITIVE);
-        self.add(&[a, half, c], halvings - 1, sum);
-        self.add(&[half, b, c], halvings - 1, sum);
+        });
     }
+}
+
+/// Whether what passes a pane of this unit normal, or what it mirrors, is the same for all of a polygon about.
+fn is_even_on(normal: DVec3, corners: &[DVec3]) -> bool {
+    let cosines = corners.iter().map(|c| normal.dot(c.normalize_or_zero()));
+    let (low, high) =
+        cosines.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), c| (low.min(c), high.max(c)));
+    high - low <= EVEN
+}
+
+/// Divides a polygon as seen from the origin for as long as it differs in its angle on a plane of this unit normal; calls
+/// `each` with every part and the unit vector to its middle.
+pub(super) fn each_part_even_on(normal: DVec3, corners: &[DVec3], mut each: impl FnMut(&[DVec3], DVec3)) {
+    each_even_part(corners, &|corners| is_even_on(normal, corners), MOST_HALVINGS, &mut each);
+}
+
+fn each_even_part(
+    corners: &[DVec3],
+    is_even: &impl Fn(&[DVec3]) -> bool,
+    halvings: u32,
+    each: &mut impl FnMut(&[DVec3], DVec3),
+) {
+    let middle = corners.iter().sum::<DVec3>() / corners.len() as f64;
+    if halvings == 0 || is_even(corners) {
+        return each(corners, middle.normalize_or_zero());
+    }
+    if corners.len() > 3 {
+        for (k, &a) in corners.iter().enumerate() {
+            let b = corners[if k + 1 == corners.len() { 0 } else { k + 1 }];
+            each_even_part(&[middle, a, b], is_even, halvings - 1, each);
+        }
+        return;
+    }
+    // Across the edge that is seen under the largest angle.
+    let cosine = |k: usize| corners[k].normalize_or_zero().dot(corners[(k + 1) % 3].normalize_or_zero());
+    let longest = (0..3).min_by(|&a, &b| cosine(a).total_cmp(&cosine(b))).unwrap_or(0);
+    let [a, b, c] = [0, 1, 2].map(|k| corners[(longest + k) % 3]);
+    // Halfway by angle, whatever the distances.
+    let (p, q) = (a.length(), b.length());
+    let half = (a * q + b * p) / (p + q).max(f64::MIN_POSITIVE);
+    each_even_part(&[a, half, c], is_even, halvings - 1, each);
+    each_even_part(&[half, b, c], is_even, halvings - 1, each);
 }

@@ -2,14 +2,18 @@
 
 mod sampled;
 
+pub(super) use sampled::mean_over_outline;
+
 use super::Clipper;
 use super::behind::Behind;
 use super::fan::Fan;
-use super::obstacles::Obstacles;
+use super::mirrors::{self, Mirrors};
+use super::obstacles::{Obstacle, Obstacles};
 use super::shaft::Shaft;
 use crate::emitters::{Emitters, Source};
 use crate::mesh::PatchMesh;
 use crate::visibility::{Glass, THICKNESS};
+use crate::watch::{Cancelled, Watch};
 use glam::DVec3;
 use std::sync::Arc;
 
@@ -19,6 +23,8 @@ pub struct DirectLight {
     emitters: Emitters,
     obstacles: Arc<Obstacles>,
     glass: Glass,
+    /// What panes mirror; nothing until it has been [looked for](Self::with_mirrors).
+    mirrors: Mirrors,
     /// Whether they hide anything from surfaces.
     visibility: bool,
     /// What is nearer to a plane counts as in it, metres.
@@ -35,6 +41,8 @@ pub struct Views {
     obstacles: Vec<u32>,
     /// Panes of glass that may stand before it.
     panes: Vec<u32>,
+    /// Panes that may mirror some of them.
+    mirrors: Vec<u32>,
     /// Of a place that light may not reach, which sees sides that it does not reach either.
     anywhere: bool,
     /// Of a facet so small that rays tell all that matters: emitters are looked for at each point.
@@ -47,12 +55,12 @@ pub struct Scratch {
     clipper: Clipper,
     fan: Fan,
     shaft: Shaft,
-    outline: Vec<DVec3>,
-    relative: Vec<DVec3>,
+    pub(super) outline: Vec<DVec3>,
+    pub(super) relative: Vec<DVec3>,
     found: Vec<u32>,
     panes: Vec<u32>,
     behind: Behind,
-    edges: Vec<DVec3>,
+    pub(super) edges: Vec<DVec3>,
     /// What emitters give, and where their outlines lie in `relative`.
     shares: Vec<(f64, usize, usize)>,
     /// Half-spaces that hold all that is between a point and an outline: normals and offsets.
@@ -99,7 +107,7 @@ impl Views {
 
     /// Whether nothing shines there.
     pub fn is_dark(&self) -> bool {
-        self.sources.is_empty() && !self.is_sampled
+        self.sources.is_empty() && self.mirrors.is_empty() && !self.is_sampled
     }
 
     /// How many emitters may be seen.
@@ -107,14 +115,15 @@ impl Views {
         self.sources.len()
     }
 
-    /// Whether all of them are seen wholly, and through no glass.
+    /// Whether all of them are seen wholly, and neither through glass nor in it.
     pub fn is_clear(&self) -> bool {
-        self.obstacles.is_empty() && self.panes.is_empty()
+        self.obstacles.is_empty() && self.panes.is_empty() && self.mirrors.is_empty()
     }
 
     /// What a gathering there costs, in obstacles that are looked at.
     pub(super) fn work(&self) -> u64 {
         (EMITTER_WORK * self.sources.len() + self.obstacles.len() + self.panes.len()) as u64
+            + mirrors::WORK * self.mirrors.len() as u64
     }
 
     /// Each emitter with what may hide it, and the panes that may stand before it.
@@ -125,6 +134,10 @@ impl Views {
             let (first, pane) = std::mem::replace(&mut starts, ends);
             (source, [&self.obstacles[first..ends.0], &self.panes[pane..ends.1]])
         })
+    }
+
+    pub(super) fn add_mirror(&mut self, pane: u32) {
+        self.mirrors.push(pane);
     }
 
     fn push(&mut self, source: u32) {
@@ -139,10 +152,20 @@ impl DirectLight {
             emitters: Emitters::new(mesh),
             obstacles: Arc::new(Obstacles::new(mesh)),
             glass: Glass::new(mesh),
+            mirrors: Mirrors::default(),
             visibility,
             thickness: THICKNESS * mesh.size,
             among_many: !mesh.clusters.is_empty(),
         }
+    }
+
+    /// The same with what panes of glass mirror of its sources.
+    ///
+    /// # Errors
+    /// The watch ended it.
+    pub fn with_mirrors(mut self, watch: &mut Watch<'_>) -> Result<Self, Cancelled> {
+        self.mirrors = Mirrors::find(&self, watch)?;
+        Ok(self)
     }
 
     /// The same among the same surfaces under the sky of another hour: that of this mesh, which is the same otherwise.
@@ -156,6 +179,15 @@ impl DirectLight {
         Self { emitters: self.emitters.keeping(kept), ..self.clone() }
     }
 
+    /// The same with those of its sources alone that are no patches of the mesh: sky, sun, and what shines by its photometry.
+    #[must_use]
+    pub fn without_patches(&self, mesh: &PatchMesh) -> Self {
+        let lamp = |source: &Source| Some(self.emitters.bases[source.shares.first()?.basis as usize].lamp);
+        self.keeping(|source| {
+            lamp(source).is_some_and(|lamp| mesh.is_outdoors(lamp) || mesh.is_photometric(lamp))
+        })
+    }
+
     /// What sends out light.
     pub fn emitters(&self) -> &Emitters {
         &self.emitters
@@ -164,6 +196,41 @@ impl DirectLight {
     /// What is nearer to a plane than this counts as in it, metres.
     pub(super) fn thickness(&self) -> f64 {
         self.thickness
+    }
+
+    pub(super) fn glass(&self) -> &Glass {
+        &self.glass
+    }
+
+    /// What is left in each band of light of a source that passes from one point to another.
+    pub(super) fn passed_between(&self, source: &Source, from: DVec3, to: DVec3) -> [f64; 3] {
+        let (way, margin) = (to - from, 5.0 * self.thickness);
+        let length = way.length();
+        let is_foreign = |region: u32| !source.emitter.is_part(region);
+        let hides = |obstacle: Obstacle<'_>| is_foreign(obstacle.region);
+        if self.visibility && self.obstacles.hides(from, to, margin, hides) {
+            return [0.0; 3];
+        }
+        if length <= 2.0 * margin {
+            [1.0; 3]
+        } else {
+            self.glass.along(from, way / length, [margin, length - margin])
+        }
+    }
+
+    /// Whether a point with a unit normal sees something of a source, by rays to its middle and to some of its rim.
+    pub(super) fn may_see(&self, source: &Source, point: DVec3, normal: DVec3) -> bool {
+        let mut outline = Vec::new();
+        if source.emitter.outline(point, &mut outline).is_none() {
+            return false;
+        }
+        let middle = outline.iter().sum::<DVec3>() / outline.len() as f64;
+        let step = outline.len().div_ceil(RIM_RAYS).max(1);
+        let rim = outline.iter().step_by(step).map(|&corner| middle.lerp(corner, 0.7));
+        std::iter::once(middle).chain(rim).any(|to| {
+            normal.dot(to) > 0.0
+                && self.passed_between(source, point, point + to).iter().any(|&passed| passed > 0.0)
+        })
     }
 
     /// Whether nothing stands between two points.
@@ -194,15 +261,7 @@ impl DirectLight {
             return [value; 3];
         }
         let middle = relative.iter().sum::<DVec3>() / relative.len() as f64;
-        let margin = 5.0 * self.thickness;
-        let passed = |to: DVec3| {
-            let is_own = |region: u32| source.emitter.is_part(region);
-            if self.obstacles.hides(point, point + to, margin, |obstacle| !is_own(obstacle.region)) {
-                return [0.0; 3];
-            }
-            let length = to.length();
-            self.glass.along(point, to / length, [margin, length - margin])
-        };
+        let passed = |to: DVec3| self.passed_between(source, point, point + to);
         // Halfway between those two by area.
         let step = relative.len().div_ceil(RIM_RAYS).max(1);
         let rim = relative.iter().step_by(step).map(|&corner| middle.lerp(corner, 0.7));
@@ -297,12 +356,14 @@ impl DirectLight {
             }
             self.keep(source, scratch, &mut views);
         }
+        self.mirrors.look(self, cell, normal, &mut views);
         views
     }
 
     /// What a part of a cell may see, by what the whole may.
     pub fn narrowed(&self, views: &Views, cell: &[DVec3], normal: DVec3, scratch: &mut Scratch) -> Views {
-        let mut narrowed = Views { anywhere: views.anywhere, ..Views::default() };
+        let mirrors = views.mirrors.clone();
+        let mut narrowed = Views { anywhere: views.anywhere, mirrors, ..Views::default() };
         for (source, [obstacles, panes]) in views.iter() {
             if obstacles.is_empty() && panes.is_empty() {
                 narrowed.push(source);
@@ -404,6 +465,13 @@ impl DirectLight {
         });
     }
 
+    /// Calls `add` with each basis and about what it gives at a point in the open with a unit normal, by few rays.
+    pub fn glimpse(&self, point: DVec3, normal: DVec3, scratch: &mut Scratch, mut add: impl FnMut(u32, f64)) {
+        self.sample(point, normal, scratch, |source, value| {
+            source.shares.iter().for_each(|share| add(share.basis, share.of(value)));
+        });
+    }
+
     /// As [`Self::gather`], source by source: irradiance for a unit of what each sends, in each band what glass leaves of it.
     pub(super) fn gather_sources(
         &self,
@@ -422,6 +490,7 @@ impl DirectLight {
                 add(&self.emitters.sources[source as usize], value);
             }
         }
+        self.mirrors.gather((self, &views.mirrors), point, normal, scratch, add);
     }
 
     fn irradiance(
@@ -449,6 +518,7 @@ impl DirectLight {
         if obstacles.len() > MOST_OBSTACLES {
             let outline: Vec<DVec3> = clipper.fragments().flatten().copied().collect();
             let along = |share| if self.among_many { along_for(share * RAYS_AMONG_MANY) } else { RAYS };
+            let source = &self.emitters.sources[source as usize];
             let share = self.share_by_rays(source, point, &outline, along);
             let whole = clipper.fragments().map(|f| emitter.irradiance(normal, f)).sum::<f64>();
             return share.map(|share| share * whole);

@@ -13,6 +13,7 @@ mod focus;
 mod fan;
 mod layout;
 mod light;
+mod mirrors;
 mod obstacles;
 mod refine;
 mod shaft;

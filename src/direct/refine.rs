@@ -185,7 +185,6 @@ fn edge_key(element: &Element, k: usize) -> (u32, u32) {
 pub(super) fn gathered(light: &DirectLight, point: DVec3, normal: DVec3, views: &Views) -> Found {
     let mut found = Found::default();
     let mut add = |source: &Source, value: [f64; 3]| {
-        let count = source.shares.len();
         for (k, share) in source.shares.iter().enumerate() {
             let own = share.of(value);
             if own > 0.0 {
@@ -193,8 +192,7 @@ pub(super) fn gathered(light: &DirectLight, point: DVec3, normal: DVec3, views: 
             }
             let Some(key) = source.key(k) else { continue };
             let whole = Share { factor: 1.0, ..*share }.of(value) as f32;
-            // Those of a part stand together.
-            match found.parts.iter_mut().rev().take(count).find(|part| part.0 == key) {
+            match found.parts.iter_mut().find(|part| part.0 == key) {
                 Some(part) => part.1 += whole,
                 None => found.parts.push((key, whole)),
             }

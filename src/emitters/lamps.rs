@@ -56,11 +56,22 @@ pub struct Source {
     pub emitter: Arc<dyn Emitter>,
     /// One share, or one for each band.
     pub shares: Vec<Share>,
+    /// The same for the same source at any hour, and among others that are left out.
+    pub id: u32,
     /// The part of the sky that it belongs to: what is seen of that at one hour tells its light at all others.
     pub part: Option<u16>,
 }
 
+/// Parts of the sky and the ground are numbered from here, the sun thus, and the others from 0.
+const OUTDOORS: u32 = 1 << 31;
+const SUN: u32 = u32::MAX;
+
 impl Source {
+    /// Whether it is the disc of the sun.
+    pub fn is_sun(&self) -> bool {
+        self.id == SUN
+    }
+
     /// The number of what is seen of a part of the sky by one of its shares: glass leaves each band something else.
     pub fn key(&self, share: usize) -> Option<u16> {
         Some(self.part? * self.shares.len() as u16 + share as u16)
@@ -140,6 +151,20 @@ impl Emitters {
                 None => all.add(lamp, colours, THICKNESS * mesh.size),
             }
         }
+        let sun = mesh.outdoors.as_ref().map(|outdoors| outdoors.sun);
+        let (mut parts, mut others) = (OUTDOORS, 0);
+        for source in &mut all.sources {
+            let lamp = source.shares.first().map(|share| all.bases[share.basis as usize].lamp);
+            let next = match source.part {
+                Some(_) => &mut parts,
+                None if lamp.is_some() && lamp == sun => {
+                    source.id = SUN;
+                    continue;
+                }
+                None => &mut others,
+            };
+            source.id = std::mem::replace(next, *next + 1);
+        }
         all
     }
 
@@ -151,10 +176,11 @@ impl Emitters {
             self.sources.extend(parts.map(|SkyPart { emitter, part, factor }| Source {
                 emitter: Arc::new(emitter),
                 shares: shares.iter().map(|share| Share { factor, ..*share }).collect(),
+                id: 0,
                 part: Some(part),
             }));
         } else if let Some(sun) = OutdoorEmitter::sun(outdoors, mesh.middle, mesh.size) {
-            self.sources.push(Source { emitter: Arc::new(sun), shares, part: None });
+            self.sources.push(Source { emitter: Arc::new(sun), shares, id: 0, part: None });
         }
     }
 
@@ -184,7 +210,7 @@ impl Emitters {
         let shares = self.one_or_each_band(lamp);
         self.sources.extend(sources.iter().map(|&source| {
             let emitter = PhotometricEmitter::new(source.clone(), regions.to_vec(), THICKNESS * size, size);
-            Source { emitter: Arc::new(emitter), shares: shares.clone(), part: None }
+            Source { emitter: Arc::new(emitter), shares: shares.clone(), id: 0, part: None }
         }));
     }
 
@@ -218,11 +244,12 @@ impl Emitters {
                 match ConvexBody::new(&group) {
                     Some(body) => {
                         let (emitter, shares) = (Arc::new(body), shares.clone());
-                        self.sources.push(Source { emitter, shares, part: None });
+                        self.sources.push(Source { emitter, shares, id: 0, part: None });
                     }
                     None => self.sources.extend(group.into_iter().map(|(corners, region)| Source {
                         emitter: Arc::new(Face::new(corners, region, thickness)),
                         shares: shares.clone(),
+                        id: 0,
                         part: None,
                     })),
                 }

@@ -94,6 +94,11 @@ const COARSER: f64 = 0.5;
 /// A centre that misses more than this of its row may lie under something.
 const HIDDEN: f64 = 0.01;
 
+/// Free points are lifted by this share of the scene's size, by these metres if that is more, but never by more than
+/// the last share.
+const LIFT: f64 = 2e-6;
+const ROUNDING: f64 = 1e-5;
+const MOST_LIFT: f64 = 1e-5;
 /// What is seen by less than this, of a row that sums to one, is seen through the rounding of a seam.
 const SEAM: f64 = 1e-12;
 
@@ -364,7 +369,10 @@ impl RowComputer {
 
     /// Where a free point is gathered: see [`Self::point`].
     pub fn lifted(&self, point: DVec3, normal: DVec3) -> DVec3 {
-        point + normal * (1e-5 * self.mesh.size)
+        // Off the surface that a list with five decimals puts it on or just below, and no farther: near the frame of a
+        // window the edge of the sun is half a millimetre wide.
+        let size = self.mesh.size;
+        point + normal * (LIFT * size).max(ROUNDING).min(MOST_LIFT * size)
     }
 
     /// Whether something may be hidden from a free point: everywhere where occlusion is simulated, else outside of a

@@ -5,6 +5,7 @@ mod direct;
 mod effect_costs;
 mod element_light;
 mod error;
+mod glimpse;
 mod memory;
 mod pipeline;
 mod rows;

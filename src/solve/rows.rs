@@ -90,6 +90,8 @@ impl Run<'_> {
         let before = self.timings.rows;
         let clock = self.clock();
         let mut arriving = Arriving::new(system, None);
+        let half = 0.5 * ROWS_OF_LAMPS;
+        let begun = if self.glimpse(prepared, system, &mut arriving, half)? { half } else { 0.0 };
         let lamps = lamps(prepared);
         let (mut done, mut computed) = (0, 0);
         for picked in lamps.chunks(computer.batch().max(1)) {
@@ -101,7 +103,7 @@ impl Run<'_> {
                 self.timings.rows = before + clock.seconds(self);
                 self.timings.first_light = self.timings.rows;
             }
-            let fraction = ROWS_OF_LAMPS * done as f64 / lamps.len() as f64;
+            let fraction = begun + (ROWS_OF_LAMPS - begun) * done as f64 / lamps.len() as f64;
             let picture = Some(Pictured::Arriving(&arriving, system));
             let counts = (known.known(), n);
             self.tell(Stage::FirstLight, counts, (fraction, None), &[], picture, is_last)?;

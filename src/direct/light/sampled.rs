@@ -43,52 +43,62 @@ impl DirectLight {
             let rays = FEW_RAYS.iter().find(|(least, _)| own >= least * whole).map_or(1.0, |few| few.1);
             let along = |share| along_for(share * rays);
             let share = match self.visibility {
-                true => self.share_by_rays(index, point, &relative[start..end], along),
+                true => self.share_by_rays(
+                    &self.emitters.sources[index as usize],
+                    point,
+                    &relative[start..end],
+                    along,
+                ),
                 false => [1.0; 3],
             };
             add(&self.emitters.sources[index as usize], share.map(|share| share * value));
         }
     }
 
-    /// The share of an outline that is seen, in each band what glass leaves of it, by rays to grids over its triangles: so many `along` their edges, by
-    /// their share of its area.
+    /// The share of an outline that is seen from a point, in each band what glass leaves of it, by rays.
     pub(super) fn share_by_rays(
         &self,
-        source: u32,
+        source: &Source,
         point: DVec3,
         corners: &[DVec3],
         along: impl Fn(f64) -> u32,
     ) -> [f64; 3] {
-        let emitter = &self.emitters.sources[source as usize].emitter;
-        let triangles =
-            || (1..corners.len().saturating_sub(1)).map(|k| [corners[0], corners[k], corners[k + 1]]);
-        let area_of = |[a, b, c]: [DVec3; 3]| (b - a).cross(c - a).length();
-        let whole: f64 = triangles().map(area_of).sum();
-        let mut seen = [0.0; 3];
-        for triangle in triangles() {
-            let area = area_of(triangle);
-            let [a, b, c] = triangle;
-            let along = along(area / whole.max(f64::MIN_POSITIVE));
-            let mut open = [0.0; 3];
-            for i in 0..along * along {
-                // Square to triangle, evenly (Turk 1990).
-                let (u, v) = ((f64::from(i % along) + 0.5) / f64::from(along), f64::from(i / along) + 0.5);
-                let (root, v) = (u.sqrt(), v / f64::from(along));
-                let to = a * (1.0 - root) + b * (root * (1.0 - v)) + c * (root * v);
-                let hides = self.obstacles.hides(point, point + to, 5.0 * self.thickness, |obstacle| {
-                    !emitter.is_part(obstacle.region)
-                });
-                if hides {
-                    continue;
-                }
-                let length = to.length();
-                let margin = 5.0 * self.thickness;
-                let passed = self.glass.along(point, to / length, [margin, length - margin]);
-                open.iter_mut().zip(passed).for_each(|(open, passed)| *open += passed);
-            }
-            let each = area / f64::from(along * along);
-            seen.iter_mut().zip(open).for_each(|(seen, open)| *seen += each * open);
-        }
-        if whole > 0.0 { seen.map(|seen| seen / whole) } else { [0.0; 3] }
+        over_outline(corners, along, |to| self.passed_between(source, point, point + to))
     }
+}
+
+/// The mean over a convex outline of what `passed` gives, by about so many rays in all.
+pub(in crate::direct) fn mean_over_outline(
+    corners: &[DVec3],
+    rays: f64,
+    passed: impl FnMut(DVec3) -> [f64; 3],
+) -> [f64; 3] {
+    over_outline(corners, |share| along_for(share * rays), passed)
+}
+
+/// The mean over a convex outline of what `passed` gives, by rays to grids over its triangles: so many `along` their
+/// edges, by their share of its area.
+fn over_outline(
+    corners: &[DVec3],
+    along: impl Fn(f64) -> u32,
+    mut passed: impl FnMut(DVec3) -> [f64; 3],
+) -> [f64; 3] {
+    let triangles = || (1..corners.len().saturating_sub(1)).map(|k| [corners[0], corners[k], corners[k + 1]]);
+    let area_of = |[a, b, c]: [DVec3; 3]| (b - a).cross(c - a).length();
+    let whole: f64 = triangles().map(area_of).sum();
+    let mut seen = [0.0; 3];
+    for triangle in triangles() {
+        let area = area_of(triangle);
+        let [a, b, c] = triangle;
+        let along = along(area / whole.max(f64::MIN_POSITIVE));
+        let each = area / f64::from(along * along);
+        for i in 0..along * along {
+            // Square to triangle, evenly (Turk 1990).
+            let (u, v) = ((f64::from(i % along) + 0.5) / f64::from(along), f64::from(i / along) + 0.5);
+            let (root, v) = (u.sqrt(), v / f64::from(along));
+            let to = a * (1.0 - root) + b * (root * (1.0 - v)) + c * (root * v);
+            seen.iter_mut().zip(passed(to)).for_each(|(seen, passed)| *seen += each * passed);
+        }
+    }
+    if whole > 0.0 { seen.map(|seen| seen / whole) } else { [0.0; 3] }
 }
