@@ -78,17 +78,17 @@ impl Layout {
         };
         // 1. The corners of the mesh, seen from their elements.
         let mut elements = Elements::roots_of(mesh, settings.smooth);
-        let views = first_views(&elements, mesh, steady, &mut watch.part(0.0, 0.2))?;
-        for found in at_corners(&elements, steady, &views, &mut watch.part(0.2, 0.3))? {
+        let views = first_views(&elements, mesh, steady, &mut watch.part(0.0, 0.35))?;
+        for found in at_corners(&elements, steady, &views, &mut watch.part(0.35, 0.45))? {
             elements.push_light(&found.light);
             elements.parts.push(&found.parts);
         }
         // 2. What they have of the sun: errors count against all light.
         let mut besides = Vec::new();
         if let Some((_, sun)) = &sun {
-            let views = first_views(&elements, mesh, sun, &mut watch.part(0.3, 0.3))?;
+            let views = first_views(&elements, mesh, sun, &mut watch.part(0.45, 0.45))?;
             let exitance = &settings.exitance;
-            let found = at_corners(&elements, sun, &views, &mut watch.part(0.3, 0.3))?;
+            let found = at_corners(&elements, sun, &views, &mut watch.part(0.45, 0.45))?;
             let watts = |&(basis, value): &(u32, f32)| f64::from(value) * exitance[basis as usize];
             let watts = |found: &Found| found.light.iter().map(watts).sum();
             besides = found.iter().map(watts).collect();
@@ -98,7 +98,7 @@ impl Layout {
         let mut refinement = Refinement::new((mesh, steady), settings, elements, (views, seen_from), None);
         refinement.measure_mean(&besides);
         let mean = refinement.mean;
-        let base = refinement.run(mesh, &mut watch.part(0.3, 1.0))?;
+        let base = refinement.run(mesh, &mut watch.part(0.45, 1.0))?;
         Ok(Self { base, shares: light.emitters().parts(), mean })
     }
 

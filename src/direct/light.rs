@@ -179,15 +179,6 @@ impl DirectLight {
         Self { emitters: self.emitters.keeping(kept), ..self.clone() }
     }
 
-    /// The same with those of its sources alone that are no patches of the mesh: sky, sun, and what shines by its photometry.
-    #[must_use]
-    pub fn without_patches(&self, mesh: &PatchMesh) -> Self {
-        let lamp = |source: &Source| Some(self.emitters.bases[source.shares.first()?.basis as usize].lamp);
-        self.keeping(|source| {
-            lamp(source).is_some_and(|lamp| mesh.is_outdoors(lamp) || mesh.is_photometric(lamp))
-        })
-    }
-
     /// What sends out light.
     pub fn emitters(&self) -> &Emitters {
         &self.emitters

@@ -302,6 +302,14 @@ impl RowComputer {
         Row { open: share, ..scratch.row.take() }
     }
 
+    /// What a patch sees, coarsely: by so many rays from its centre, whatever the method.
+    pub fn coarse_row(&self, patch: u32, rays: u32, scratch: &mut RowScratch) -> Row {
+        let own = &self.mesh.patches[patch as usize];
+        let pattern = (&Frame::around(own.normal), turn_of(patch));
+        ray_rows::gather(&self.rays, rays, own.centre, pattern, Viewer::LitSurface, &mut scratch.row);
+        scratch.row.take()
+    }
+
     /// Which of a patch's receiving points lie under something: one bit each.
     fn covered(&self, patch: u32, at: ReceivingPoints, frame: &Frame) -> u32 {
         (0_u32..)

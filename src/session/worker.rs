@@ -191,11 +191,14 @@ impl Worker<'_> {
             let standing = self.state.bases.as_deref().cloned();
             // What a request that leaves the geometry alone has interrupted goes on from there.
             let mut known = std::mem::take(&mut self.state.rows);
-            let lit =
+            let passed_on =
                 self.with_run(|run| run.first_light(&prepared, &system, standing.is_some(), &mut known));
             self.state.rows = known;
-            lit?;
+            let passed_on = passed_on?;
             self.lay_out_elements(&prepared, &system)?;
+            let begun =
+                passed_on.zip(self.element_light()).map(|(light, elements)| elements.with_passed_on(light));
+            let standing = standing.or(begun);
             let direct = self.element_light().map(|elements| Arc::clone(&elements.given));
             let lit = system.clone().with_direct(direct.as_ref());
             let mut known = std::mem::take(&mut self.state.rows);

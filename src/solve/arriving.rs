@@ -26,13 +26,6 @@ impl Arriving {
         }
     }
 
-    /// Light arrives that no patch sends out, where the scene was dark.
-    pub(super) fn light(&mut self, system: &System, light: &LightBases) {
-        if let Self::Shot(shooter) = self {
-            shooter.light(system, light);
-        }
-    }
-
     /// The row of a patch is known, before it is taken.
     pub(super) fn see(&mut self, system: &System, patch: u32, row_sum: f64) {
         if let Self::Shot(shooter) = self {

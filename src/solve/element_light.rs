@@ -288,6 +288,13 @@ impl ElementLight {
         }
     }
 
+    /// All light of the patches, by what surfaces pass on.
+    pub(crate) fn with_passed_on(&self, mut passed_on: LightBases) -> LightBases {
+        let given = self.given.values.iter();
+        passed_on.values.iter_mut().zip(given).for_each(|(value, given)| *value += given);
+        passed_on
+    }
+
     /// Whether the patches have their direct light for the columns of this system.
     pub fn serves(&self, system: &System) -> bool {
         self.of_patches.values.len() == system.patches() * system.columns()

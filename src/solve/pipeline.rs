@@ -170,6 +170,7 @@ pub struct Progress<'a> {
 pub(super) enum Pictured<'a> {
     Arriving(&'a Arriving, &'a System),
     Sweeps(&'a GaussSeidel, &'a System),
+    Whole(&'a LightBases),
 }
 
 impl Progress<'_> {
@@ -178,6 +179,7 @@ impl Progress<'_> {
         Some(match self.picture? {
             Pictured::Arriving(arriving, system) => arriving.picture(system),
             Pictured::Sweeps(solver, system) => solver.bases(system),
+            Pictured::Whole(light) => light.clone(),
         })
     }
 
@@ -185,7 +187,7 @@ impl Progress<'_> {
     pub fn unshot(&self) -> Option<LightBases> {
         match self.picture? {
             Pictured::Arriving(arriving, _) => arriving.unshot(),
-            Pictured::Sweeps(..) => None,
+            Pictured::Sweeps(..) | Pictured::Whole(_) => None,
         }
     }
 }
@@ -459,8 +461,10 @@ impl Run<'_> {
         let reflectance = patch_reflectance(&prepared.mesh, &|_| None);
         let system = system(prepared, &reflectance);
         let mut known = RowStore::default();
-        self.first_light(prepared, &system, standing.is_some(), &mut known)?;
+        let passed_on = self.first_light(prepared, &system, standing.is_some(), &mut known)?;
         let elements = self.elements(prepared, &system, &known)?;
+        let begun = passed_on.zip(elements.as_ref()).map(|(light, elements)| elements.with_passed_on(light));
+        let standing = standing.or(begun);
         let lit = system.clone().with_direct(elements.as_ref().map(|elements| &elements.given));
         let start = self.rows(prepared, &lit, elements.as_ref(), standing, &mut known)?;
         let transport = self.assemble(prepared, &mut known)?;

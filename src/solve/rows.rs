@@ -65,8 +65,9 @@ fn lamps(prepared: &Prepared) -> Vec<u32> {
 }
 
 impl Run<'_> {
-    /// The rows of the lamps, kept in `known`: the first light of a dark scene, a value a patch. Where the light of an
-    /// earlier solve `stands`, they come with all others.
+    /// The first light of a dark scene, a value a patch: the rows of the lamps, kept in `known`; or, where something shines that
+    /// is no patch, by few rays. Then it gives what surfaces pass on, about. Where the light of an earlier solve `stands`,
+    /// the rows of lamps come with all others.
     ///
     /// # Errors
     /// There is not enough memory for all rows, or the run was ended.
@@ -76,7 +77,7 @@ impl Run<'_> {
         system: &System,
         stands: bool,
         known: &mut RowStore,
-    ) -> Result<(), PipelineError> {
+    ) -> Result<Option<LightBases>, PipelineError> {
         let n = prepared.mesh.patches.len();
         let computer = &prepared.computer;
         if known.known() == 0 {
@@ -85,13 +86,15 @@ impl Run<'_> {
         }
         known.resize(n);
         if stands {
-            return Ok(());
+            return Ok(None);
         }
         let before = self.timings.rows;
         let clock = self.clock();
+        if let Some(passed_on) = self.glimpse(prepared, system, ROWS_OF_LAMPS)? {
+            self.timings.first_light = clock.seconds(self);
+            return Ok(Some(passed_on));
+        }
         let mut arriving = Arriving::new(system, None);
-        let half = 0.5 * ROWS_OF_LAMPS;
-        let begun = if self.glimpse(prepared, system, &mut arriving, half)? { half } else { 0.0 };
         let lamps = lamps(prepared);
         let (mut done, mut computed) = (0, 0);
         for picked in lamps.chunks(computer.batch().max(1)) {
@@ -103,12 +106,12 @@ impl Run<'_> {
                 self.timings.rows = before + clock.seconds(self);
                 self.timings.first_light = self.timings.rows;
             }
-            let fraction = begun + (ROWS_OF_LAMPS - begun) * done as f64 / lamps.len() as f64;
+            let fraction = ROWS_OF_LAMPS * done as f64 / lamps.len() as f64;
             let picture = Some(Pictured::Arriving(&arriving, system));
             let counts = (known.known(), n);
             self.tell(Stage::FirstLight, counts, (fraction, None), &[], picture, is_last)?;
         }
-        Ok(())
+        Ok(None)
     }
 
     /// Decides which transport the rows are for, and whether it would fit into the memory.
@@ -179,7 +182,8 @@ impl Run<'_> {
             left_to_compute -= missing;
             let elapsed = clock.seconds(self);
             self.timings.rows = before + elapsed;
-            if matches!(arriving, Arriving::Refined(_)) && done == n && computed > 0 {
+            let is_lit = self.timings.first_light > 0.0;
+            if matches!(arriving, Arriving::Refined(_)) && done == n && computed > 0 && !is_lit {
                 self.timings.first_light = before + elapsed;
             }
             if computed == 0 && done < n && !self.cancel.load(Ordering::Relaxed) {

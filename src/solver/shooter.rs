@@ -47,14 +47,6 @@ impl Shooter {
         }
     }
 
-    /// Takes up light that arrives from no patch; what surfaces reflect of it is unshot.
-    pub fn light(&mut self, system: &System, arriving: &LightBases) {
-        for (at, &value) in arriving.values.iter().enumerate().filter(|(_, value)| **value > 0.0) {
-            self.irradiance[at] += value;
-            self.unshot[at] += system.rho(at / self.columns, at % self.columns) as f32 * value;
-        }
-    }
-
     /// The patches with the most unshot power whose rows have not arrived, brightest first.
     pub fn brightest(&self, system: &System, count: usize) -> Vec<u32> {
         let power = |i: usize| -> f64 {

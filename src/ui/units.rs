@@ -68,6 +68,14 @@ pub(super) fn duration(seconds: f64) -> String {
     }
 }
 
+/// A time that is estimated, no more exactly than that can be known: "3.2 s", "40 s", "3 min".
+pub(super) fn estimate(seconds: f64) -> String {
+    if !(99.5..3540.0).contains(&seconds) {
+        return duration(seconds);
+    }
+    format!("{:.0} min", seconds / 60.0)
+}
+
 /// Bytes in MB or GB.
 pub(super) fn bytes(count: u64) -> String {
     let megabytes = count as f64 / 1e6;
@@ -113,6 +121,10 @@ mod tests {
         ];
         for (seconds, text) in expected {
             assert_eq!(duration(seconds), text);
+        }
+        let estimated = [(3.21, "3.2 s"), (99.4, "1 min 39 s"), (125.0, "2 min"), (7260.0, "2 h 01 min")];
+        for (seconds, text) in estimated {
+            assert_eq!(estimate(seconds), text);
         }
     }
 }

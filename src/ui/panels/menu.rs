@@ -76,7 +76,7 @@ fn solve_state(ui: &mut egui::Ui, model: &Model<'_>) {
     if is_running(model.snapshot.stage) {
         text += &format!("  {:.0} %", 100.0 * fraction_of(model.snapshot));
         if let Some(left) = super::solver::time_left(model.snapshot) {
-            text += &format!("  {}", units::duration(left));
+            text += &format!("  {}", units::estimate(left));
         }
     }
     if ui.available_width() < NARROW {

@@ -94,7 +94,7 @@ pub(in crate::ui) fn show(ui: &mut egui::Ui, model: &Model<'_>, out: &mut Comman
             }
             if let Some(left) = time_left(snapshot).filter(|_| running) {
                 ui.add_space(4.0);
-                ui.label(RichText::new(format!("{} left", units::duration(left))).color(theme::TEXT_WEAK));
+                ui.label(RichText::new(format!("{} left", units::estimate(left))).color(theme::TEXT_WEAK));
             }
         });
     });
