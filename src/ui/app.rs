@@ -6,6 +6,7 @@ use super::background::Background;
 use super::camera_control::CameraControl;
 use super::command::EditKey;
 use super::daylight::{Day, DayPlaying};
+use super::daylight_factor::{Factors, Of};
 use super::doctor::Doctor;
 use super::exposure::AutoExposure;
 use super::files::Files;
@@ -116,6 +117,8 @@ pub struct App {
     pub(super) day: Option<Day>,
     /// The day that plays.
     pub(super) day_playing: Option<DayPlaying>,
+    /// Daylight factors of the solve that ended last.
+    pub(super) factors: Background<Of, Option<Arc<Factors>>>,
     /// The tour whose ways were found last.
     pub(super) tours: Background<Plan, Option<Tour>>,
     pub(super) clock: FrameClock,
@@ -214,6 +217,7 @@ impl App {
             divider: 0.5,
             day: None,
             day_playing: None,
+            factors: Background::default(),
             touring: None,
             tours: Background::default(),
             clock,
@@ -398,6 +402,7 @@ impl App {
             exposure: self.exposure_in_force(),
             gains: self.gains,
             shown_values: &self.shown_values,
+            daylight_factors: self.daylight_factors().map(|factors| factors.of_patches.as_slice()),
             solo: self.solo.as_ref().map(|(lamp, _)| *lamp),
             has_comparison: self.picture.has_comparison(),
             day: self.day.as_ref(),

@@ -56,6 +56,7 @@ impl App {
         self.follow_error(time);
         self.look_after_device(ctx, time);
         self.audit(ctx, time);
+        self.follow_daylight_factors(ctx);
         // On the way to a goal what is checked is to be what was solved.
         let at_leisure = self.state.refine_at_leisure && !self.auditor.is_reaching();
         self.worker.refine_at_leisure(at_leisure, self.focus());
