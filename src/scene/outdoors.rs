@@ -424,7 +424,7 @@ impl Scene {
     /// # Errors
     /// A place, a time or an illuminance that cannot be, or a weather file that cannot be read.
     pub fn with_daylight(&self, choice: Option<&DaylightChoice>) -> Result<Self, SceneError> {
-        let asked = choice.map(|choice| self.asked(choice)).transpose()?;
+        let asked = choice.map(|choice| self.asked(choice, None)).transpose()?;
         let mut scene = self.clone();
         match (asked, &self.outdoors) {
             (Some(asked), Some(before)) => {
@@ -453,17 +453,23 @@ impl Scene {
         Ok(scene)
     }
 
-    /// The sky that daylight comes to over this scene.
+    /// The sky that daylight comes to over this scene. A weather file that the scene or a sky `known` before has is not
+    /// read again.
     ///
     /// # Errors
     /// As [`Self::with_daylight`].
-    pub fn outdoors_for(&self, choice: &DaylightChoice) -> Result<Outdoors, SceneError> {
-        Ok(self.outdoors_of(self.asked(choice)?, self.own_luminaires() as u32))
+    pub fn outdoors_for(
+        &self,
+        choice: &DaylightChoice,
+        known: Option<&Outdoors>,
+    ) -> Result<Outdoors, SceneError> {
+        Ok(self.outdoors_of(self.asked(choice, known)?, self.own_luminaires() as u32))
     }
 
-    fn asked(&self, choice: &DaylightChoice) -> Result<Asked, SceneError> {
+    fn asked(&self, choice: &DaylightChoice, known: Option<&Outdoors>) -> Result<Asked, SceneError> {
         let fail = |fault: String| SceneError::file(&format!("{}.toml", self.name), fault);
-        let known = self.outdoors.as_ref().filter(|before| before.choice.weather == choice.weather);
+        let mut known = [self.outdoors.as_ref(), known].into_iter().flatten();
+        let known = known.find(|before| before.choice.weather == choice.weather);
         let weather = match (&choice.weather, known.and_then(|before| before.weather.clone())) {
             (None, _) => None,
             (Some(_), Some(file)) => Some(file),

@@ -18,7 +18,7 @@ use super::leaving::{Leaving, Work};
 use super::microscope::Microscope;
 use super::overlay::Notice;
 use super::panels::{self, Commands, Model};
-use super::path_dialog::{Answer, PathDialog};
+use super::path_dialog::{Answer, PathDialog, Purpose};
 use super::picture::Picture;
 use super::reclaim::Reclaim;
 use super::recovery::{Handover, Legacy};
@@ -422,11 +422,12 @@ impl App {
 
     fn ask_for_path(&mut self, ui: &egui::Ui) {
         let Some(mut dialog) = self.path_dialog.take() else { return };
-        match (dialog.show(ui), dialog.kind) {
+        match (dialog.show(ui), dialog.purpose) {
             (Answer::Waiting, _) => self.path_dialog = Some(dialog),
             (Answer::Cancelled, _) => {}
-            (Answer::Path(path), None) => self.leave_for(SceneSource::File(path)),
-            (Answer::Path(path), Some(kind)) => self.save_to(kind, path),
+            (Answer::Path(path), Purpose::Scene) => self.leave_for(SceneSource::File(path)),
+            (Answer::Path(path), Purpose::Weather) => self.take_weather(&path),
+            (Answer::Path(path), Purpose::Save(kind)) => self.save_to(kind, path),
         }
     }
 

@@ -399,10 +399,13 @@ impl App {
     /// Opens what was dropped onto the window.
     pub(super) fn dropped_files(&mut self, ui: &egui::Ui, out: &mut Commands) {
         let paths: Vec<_> = ui.input(|i| i.raw.dropped_files.iter().map(|f| f.path().to_owned()).collect());
-        let is_obj =
-            |path: &std::path::PathBuf| path.extension().is_some_and(|e| e.eq_ignore_ascii_case("obj"));
-        if let Some(path) = paths.iter().find(|path| is_obj(path)) {
+        let has_ending = |path: &std::path::Path, ending: &str| {
+            path.extension().is_some_and(|e| e.eq_ignore_ascii_case(ending))
+        };
+        if let Some(path) = paths.iter().find(|path| has_ending(path, "obj")) {
             out.push(Command::Open(SceneSource::File(path.clone())));
+        } else if let Some(path) = paths.iter().find(|path| has_ending(path, "epw")) {
+            out.push(Command::SetWeather(path.clone()));
         } else if let Some(path) = paths.first() {
             self.complain(format!("{} is no OBJ file, so it cannot be opened", path.display()));
         }
