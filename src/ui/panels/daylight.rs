@@ -60,12 +60,13 @@ pub(in crate::ui) fn show(ui: &mut Ui, model: &Model<'_>, out: &mut Commands) {
     }
     let (Some(day), Some(_)) = (model.day, &model.edits.daylight) else {
         empty(ui, "No sky: light comes from the lamps alone.");
-        let add =
-            ui.button("Add daylight").on_hover_text("A sky and a sun over the model, by place and time");
-        if add.clicked() {
-            out.push(Command::SetDaylight(Some(Box::new(first_choice()))));
-        }
-        weather_button(ui, out);
+        ui.horizontal(|ui| {
+            let tip = "A sky and a sun over the model, by place and time";
+            if ui.button("Add daylight").on_hover_text(tip).clicked() {
+                out.push(Command::SetDaylight(Some(Box::new(first_choice()))));
+            }
+            weather_button(ui, out);
+        });
         return;
     };
     let mut choice = day.choice.clone();
