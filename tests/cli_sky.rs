@@ -150,3 +150,87 @@ fn a_weather_file_is_checked_and_gives_the_sky_of_an_hour() {
     assert!(place.fail(2, &["check", "bad.epw"]).contains("bad.epw, line 3: the hour is 'noon'"));
     assert!(place.fail(2, &["check", "none.epw"]).contains("none.epw"));
 }
+
+/// A room of 4 x 5 x 3 m without its south wall and a closed box, z up, with a sky of these keys or none.
+fn put_open_room(place: &Workplace, daylight: &str) {
+    place.put(
+        "open.obj",
+        "mtllib open.mtl\nusemtl grey\nv 0 0 0\nv 4 0 0\nv 4 5 0\nv 0 5 0\nv 0 0 3\nv 4 0 3\nv 4 5 3\nv 0 5 3\n\
+         f 1 2 3 4\nf 8 7 6 5\nf 4 3 7 8\nf 1 4 8 5\nf 3 2 6 7\n\
+         usemtl glow\nv 1.5 2 2.9\nv 2.5 2 2.9\nv 2.5 3 2.9\nv 1.5 3 2.9\nf 12 11 10 9\n\
+         usemtl grey\nv 8 0 0\nv 11 0 0\nv 11 3 0\nv 8 3 0\nv 8 0 3\nv 11 0 3\nv 11 3 3\nv 8 3 3\n\
+         f 13 14 15 16\nf 20 19 18 17\nf 16 15 19 20\nf 13 16 20 17\nf 15 14 18 19\nf 13 17 18 14\n",
+    );
+    place.put("open.mtl", "newmtl grey\nKd 0.5 0.5 0.5\nnewmtl glow\nKd 0 0 0\nKe 5 5 5\n");
+    place.put("open.toml", &format!("up = \"z\"\n{daylight}"));
+}
+
+/// A column of a table by its name.
+fn column(table: &str, name: &str) -> Vec<f64> {
+    let mut lines = table.lines();
+    let at = lines.next().and_then(|header| header.split(',').position(|field| field == name));
+    let at = at.unwrap_or_else(|| panic!("no column {name}:\n{table}"));
+    lines.map(|line| line.split(',').nth(at).and_then(|field| field.parse().ok()).expect(name)).collect()
+}
+
+#[test]
+fn points_and_work_planes_have_daylight_factors_where_there_is_a_sky() {
+    let place = Workplace::with_room(0.5);
+    place.put("p.csv", "2,2.5,0.8,0,0,1\n2,-30,5,0,0,1\n");
+    let solve = |more: &[&str]| {
+        let own = ["solve", "open.obj", "--patches", "500", "--points", "p.csv", "--irradiance", "o.csv"];
+        place.succeed(&[&own, more].concat())
+    };
+    // 1. The same under a clear sky and under the overcast one; outside it is all of the light.
+    let mut factors = Vec::new();
+    for (sky, told) in [
+        (
+            "sky = \"clear\"\nlux = [75000, 12000]\nsun = [40, 170]",
+            "instead of the scene's own; lamps and sun off",
+        ),
+        ("sky = \"overcast\"\nlux = [0, 9000]\nsun = [40, 170]", "under the overcast sky of the scene"),
+    ] {
+        put_open_room(&place, &format!("[daylight]\n{sky}\n"));
+        let said = solve(&[]);
+        assert!(said.contains(told), "{said}");
+        let found = column(&place.text("o.csv"), "daylight_factor");
+        let errors = column(&place.text("o.csv"), "daylight_factor_error");
+        assert!((found[1] - 100.0).abs() < 0.3, "the open horizontal: {found:?}");
+        assert!(errors[0] > 0.0 && errors[0] < 0.1 * found[0], "{found:?} {errors:?}");
+        factors.push(found[0]);
+    }
+    assert!((factors[0] / factors[1] - 1.0).abs() < 0.01, "{factors:?}");
+    // 2. With the sky alone they are illuminances over that outside.
+    solve(&["--off", "glow"]);
+    let (lux, own) = (column(&place.text("o.csv"), "lux"), column(&place.text("o.csv"), "daylight_factor"));
+    assert!((lux[0] / 90.0 / own[0] - 1.0).abs() < 2e-3, "{lux:?} {own:?}");
+    // 3. Grids.
+    let said = solve(&["--work-plane", "0.85", "--work-plane-table", "g.csv", "--report", "r.json"]);
+    // 3 x 4 m without the border, p = 0.2 * 5^log10(4) = 0.527 m: 8 points along, 6 across.
+    assert!(said.contains("Room 1, 4.00 x 5.00 m: work plane 0.85 m above the floor, 48 points"), "{said}");
+    assert!(said.contains("  daylight factor: mean "), "{said}");
+    assert!(
+        said.contains("1 closed space that no light reaches left out") && !said.contains("Room 2"),
+        "{said}"
+    );
+    let grid = place.text("g.csv");
+    let (lux, factors) = (column(&grid, "lux"), column(&grid, "daylight_factor"));
+    assert_eq!(lux.len(), 48);
+    assert!(column(&grid, "z").iter().all(|z| (z - 0.85).abs() < 1e-9));
+    let report: serde_json::Value = serde_json::from_str(&place.text("r.json")).expect("a report");
+    let plane = &report["work_planes"][0];
+    let number = |path: &str| plane.pointer(path).and_then(serde_json::Value::as_f64).expect("a number");
+    let mean = |values: &[f64]| values.iter().sum::<f64>() / values.len() as f64;
+    let least = |values: &[f64]| values.iter().copied().fold(f64::INFINITY, f64::min);
+    assert!((number("/illuminance_lx/mean") / mean(&lux) - 1.0).abs() < 1e-9);
+    assert!((number("/uniformity") - least(&lux) / mean(&lux)).abs() < 1e-9);
+    assert!((number("/daylight_factor_percent/minimum") - least(&factors)).abs() < 1e-9);
+    // 4. Without a sky there are none.
+    put_open_room(&place, "");
+    let said = solve(&["--work-plane"]);
+    assert!(said.contains("work plane 0.80 m") && !said.contains("daylight factor"), "{said}");
+    assert!(!place.text("o.csv").contains("daylight_factor"));
+    // 5. No room, no plane.
+    let complaint = place.fail(2, &["solve", "open.obj", "--work-plane", "3.2"]);
+    assert!(complaint.contains("no room was found"), "{complaint}");
+}

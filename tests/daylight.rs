@@ -10,7 +10,8 @@ use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
 const BLACK: &str = "newmtl black\nKd 0 0 0\nnewmtl grey\nKd 0.5 0.5 0.5\n\
-                     newmtl glass\nKd 0 0 0\nNi 1.52\nillum 6\nTf 0.88146 0.88146 0.88146\n";
+                     newmtl glass\nKd 0 0 0\nNi 1.52\nillum 6\nTf 0.88146 0.88146 0.88146\n\
+                     newmtl dim\nKd 0 0 0\nKe 1 1 1\nnewmtl bright\nKd 0 0 0\nKe 1000 1000 1000\n";
 
 /// A model with z up and its light.
 fn solved(obj: &str, sidecar: &str, patches: usize) -> Solution {
@@ -303,4 +304,73 @@ fn bad_daylight_is_refused_in_one_sentence() {
         let error = load(&SceneSource::File(path.clone())).expect_err(keys).to_string();
         assert!(error.contains(told) && error.contains("model.toml"), "{keys}: {error}");
     }
+}
+
+/// Daylight factors in per cent at points with normals, and whether they are under another sky than that of the scene.
+fn factors(solution: &Solution, points: &[(DVec3, DVec3)]) -> (Vec<f64>, bool) {
+    let overcast = solve::Overcast::of(solution, &AtomicBool::new(false)).expect("whole").expect("a sky");
+    let light = overcast.solution.light(&overcast.lighting);
+    let found = overcast.solution.irradiance_at(points, &light);
+    (found.into_iter().map(solve::daylight_factor).collect(), overcast.is_other_sky)
+}
+
+/// The room of CIE 171 in another material, with a lamp below its ceiling.
+fn lamplit(material: &str, lamp: &str) -> String {
+    let mut obj = Obj { text: room(None).replace("black", material), vertices: 0 };
+    obj.vertices = obj.text.lines().filter(|line| line.starts_with("v ")).count();
+    obj.quad(lamp, [[1.8, 2.2, 2.99], [2.2, 2.2, 2.99], [2.2, 1.8, 2.99], [1.8, 1.8, 2.99]]);
+    obj.text
+}
+
+#[test]
+fn daylight_factors_are_those_of_windows_in_closed_form_whatever_the_sky() {
+    // Level with the lower edge of a window of 2 x 1 m, 1 and 2 m before its middle: 3 (I1 + 2 I2) / (7 pi) for each half.
+    let points = [1.0, 2.0].map(|y| (DVec3::new(2.0, y, 1.0), DVec3::Z));
+    let exact = [200.0 * 0.045_251_375, 200.0 * 0.009_430_276];
+    let mut first = None;
+    for (sky, is_other) in [
+        ("sky = \"overcast\"\nlux = [0, 4000]\nsun = [20, 90]", false),
+        ("sky = \"overcast\"\nsky_lamp = { on = false, dimmer = 0.3 }\nsun = [60, 180]", false),
+        ("sky = \"12\"\nlux = [75000, 12000]\nsun = [30, 180]", true),
+        ("sky = \"16\"\nlux = [5000, 12000]\nsun = [30, 180]", true),
+        ("irradiance = [700, 150]\nlatitude = 52\nlongitude = 13\nzone = 1\ntime = \"09:00\"", true),
+        ("latitude = 52\nlongitude = 13\nzone = 1\ntime = \"01:00\"", true),
+    ] {
+        let solution = solved(&room(None), &format!("[daylight]\nground = 0.3\n{sky}\n"), 300);
+        let (found, other) = factors(&solution, &points);
+        println!("{sky}: {found:.4?}");
+        // Parts of the sky are integrated by few directions each.
+        assert_near(sky, &found, &exact, 0.008);
+        assert_near(sky, &found, first.get_or_insert(found.clone()), 2e-3);
+        assert_eq!(other, is_other, "{sky}");
+    }
+}
+
+#[test]
+fn daylight_factors_count_reflections_and_neither_lamps_nor_the_brightness_of_the_sky() {
+    let points = [(DVec3::new(2.0, 3.5, 0.8), DVec3::Z), (DVec3::new(0.5, 1.0, 0.8), DVec3::Z)];
+    let of = |obj: &str, sky: &str| {
+        let (found, _) = factors(&solved(obj, &format!("[daylight]\nground = 0.3\n{sky}\n"), 600), &points);
+        println!("{sky}: {found:.4?}");
+        found
+    };
+    let overcast = "sky = \"overcast\"\nlux = [0, 5000]\nsun = [30, 180]";
+    let grey = of(&lamplit("grey", "dim"), overcast);
+    let brighter = of(&lamplit("grey", "dim"), &overcast.replace("5000", "20000"));
+    assert_near("a sky four times as bright", &brighter, &grey, 1e-5);
+    let lamp = of(&lamplit("grey", "bright"), overcast);
+    // Elements go where it shines.
+    assert_near("a lamp a thousand times as bright", &lamp, &grey, 1e-3);
+    // By mesh, elements and rows of a clear morning.
+    let clear = of(&lamplit("grey", "dim"), "sky = \"clear\"\nlux = [75000, 12000]\nsun = [30, 150]");
+    assert_near("a clear sky", &clear, &grey, 0.01);
+    // What surfaces reflect is a good part of it at the back.
+    let black = of(&lamplit("black", "dim"), overcast);
+    assert!(grey[0] > 1.5 * black[0] && black[0] > 0.1, "{grey:?} {black:?}");
+}
+
+#[test]
+fn without_a_sky_there_are_no_daylight_factors() {
+    let solution = solved(&lamplit("grey", "dim"), "", 200);
+    assert!(solve::Overcast::of(&solution, &AtomicBool::new(false)).expect("whole").is_none());
 }

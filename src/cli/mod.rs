@@ -25,6 +25,7 @@ mod tour;
 mod validate;
 mod weather;
 mod window;
+mod work_planes;
 mod written;
 
 use clap::{Parser, Subcommand};

@@ -2,8 +2,8 @@
 
 use super::text;
 use crate::export::{ExportError, PointResult, PointsReport, SurfacePoint, write_irradiance};
-use crate::scene::{LUMINOUS_EFFICACY, Lighting, illuminance};
-use crate::solve::Solution;
+use crate::scene::{LUMINOUS_EFFICACY, Lighting, Scene, illuminance};
+use crate::solve::{Overcast, Solution, daylight_factor};
 use crate::solver::PatchLight;
 use crate::study::{self, PointErrors};
 use glam::DVec3;
@@ -11,25 +11,49 @@ use std::path::Path;
 
 /// Irradiance at all points of a file.
 pub(super) struct Gathered {
-    results: Vec<PointResult>,
+    pub(super) results: Vec<PointResult>,
     /// `None` where no light comes to any of them.
     errors: Option<PointErrors>,
 }
 
-/// Gathers at points in the coordinates of the scene's file.
+/// Gathers at points in the coordinates of the scene's file; daylight factors too, with the scene under an overcast sky.
 pub(super) fn gather(
     points: &[SurfacePoint],
     solved: &Solution,
     lighting: &Lighting,
     light: &PatchLight,
+    overcast: Option<&Overcast>,
 ) -> Gathered {
     let places = places(points, |place| solved.scene.in_scene(place));
     let found = study::points(solved, lighting, light, &places);
+    let factors = overcast.map(|overcast| {
+        let Overcast { solution, lighting, .. } = overcast;
+        let found = study::points(solution, lighting, &solution.light(lighting), &places);
+        found.iter().map(|p| [p.irradiance, [p.error; 3]].map(daylight_factor)).collect::<Vec<_>>()
+    });
     let results = found
         .iter()
-        .map(|p| PointResult { irradiance: p.irradiance, lux_error: LUMINOUS_EFFICACY * p.error })
+        .enumerate()
+        .map(|(k, p)| PointResult {
+            irradiance: p.irradiance,
+            lux_error: LUMINOUS_EFFICACY * p.error,
+            daylight_factor: factors.as_ref().map(|factors| factors[k]),
+        })
         .collect();
     Gathered { results, errors: PointErrors::of(&found) }
+}
+
+/// Which sky daylight factors are told under, in a line; nothing where the scene has none.
+pub(super) fn sky_told(scene: &Scene, overcast: Option<&Overcast>) -> String {
+    let how = match overcast {
+        None if scene.outdoors.is_none() => return String::new(),
+        None => "unknown, since the solve ended before its form factors were complete",
+        Some(overcast) if overcast.is_other_sky => {
+            "under the traditional overcast sky of the CIE (type 16) instead of the scene's own; lamps and sun off"
+        }
+        Some(_) => "under the overcast sky of the scene (CIE type 16), lamps off",
+    };
+    format!("daylight factors: {how}\n")
 }
 
 /// Positions, brought to those of the scene by `in_scene`, with their normals.
@@ -43,7 +67,7 @@ impl Gathered {
     /// # Errors
     /// A refusal of the system.
     pub(super) fn write(&self, path: &Path, points: &[SurfacePoint]) -> Result<(), ExportError> {
-        write_irradiance(path, points, &self.results, illuminance)
+        write_irradiance(path, None, points, &self.results, illuminance)
     }
 
     /// How wrong they are, in a line.
@@ -89,7 +113,7 @@ mod tests {
     #[test]
     fn the_worst_point_is_named_as_its_line_counts() {
         let errors = PointErrors { points: 12, median: 0.003, rms: 0.005, largest: 0.011, worst: 6 };
-        let result = PointResult { irradiance: [1.0; 3], lux_error: 0.5 };
+        let result = PointResult { irradiance: [1.0; 3], lux_error: 0.5, daylight_factor: None };
         let gathered = Gathered { results: vec![result; 12], errors: Some(errors) };
         let told = "illuminance at 12 points: estimated error median 0.300 %, largest 1.10 % (point 7)\n";
         assert_eq!(gathered.told(), told);

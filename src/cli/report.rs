@@ -129,6 +129,7 @@ pub(super) fn report(
         power_as_switched: power(&solved.mesh, lighting, light, &solved.reflectance),
         accuracy: None,
         points: None,
+        work_planes: Vec::new(),
         peak_memory_bytes: peak_memory_bytes(),
         outputs,
     }

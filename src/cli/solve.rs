@@ -8,13 +8,14 @@ use super::progress::ProgressLine;
 use super::report::{self, OwnTimings};
 use super::text;
 use super::tour::{self, FrameFolder};
+use super::work_planes::{Grids, LitGrids};
 use super::written::Written;
 use crate::display::{DisplayMesh, Shading};
 use crate::effects::Effect;
 use crate::export::{self, atomic, read_points};
 use crate::outputs::{LitScene, StillKind, in_detail, save_patch_table};
 use crate::scene::{self, Lighting, Scene, Severity, View};
-use crate::solve::{self, Control, Progress, Solution, SolveSettings};
+use crate::solve::{self, Control, Overcast, Progress, Solution, SolveSettings};
 use crate::solver::PatchLight;
 use crate::study::{Goal, Task};
 use clap::{ArgGroup, Args};
@@ -84,9 +85,16 @@ pub(super) struct Arguments {
     /// Gather irradiance at the points x,y,z,nx,ny,nz in this file, in the unit of the scene's file
     #[arg(long, value_name = "IN.csv", requires = "irradiance")]
     points: Option<PathBuf>,
-    /// Write irradiance and illuminance at the points
+    /// Write irradiance and illuminance at the points, and daylight factors where the scene has a sky
     #[arg(long, value_name = "OUT.csv", requires = "points")]
     irradiance: Option<PathBuf>,
+    /// Tell illuminance, and daylight factors where the scene has a sky, over a grid in each room this high above its floor,
+    /// in the unit of the scene's file [default: 0.8 m]
+    #[arg(long, value_name = "HEIGHT", num_args = 0..=1, value_parser = options::positive)]
+    work_plane: Option<Option<f64>>,
+    /// Write what is found at all points of these grids
+    #[arg(long, value_name = "OUT.csv", requires = "work_plane")]
+    work_plane_table: Option<PathBuf>,
     /// Check the answer by independent rays and tell how wrong it is
     #[arg(long)]
     audit: bool,
@@ -123,12 +131,13 @@ impl Arguments {
     /// Whether points are all that is to be known of the light.
     fn wants_points_alone(&self) -> bool {
         let rest = [&self.image, &self.tour, &self.patch_table, &self.mesh];
-        self.points.is_some() && rest.iter().all(|output| output.is_none())
+        (self.points.is_some() || self.work_plane.is_some()) && rest.iter().all(|output| output.is_none())
     }
 
     fn outputs(&self) -> impl Iterator<Item = &Path> {
-        let all = [&self.image, &self.patch_table, &self.mesh, &self.irradiance, &self.report];
-        all.into_iter().filter_map(|output| output.as_deref())
+        let tables = [&self.patch_table, &self.irradiance, &self.work_plane_table];
+        let all = [&self.image, &self.mesh, &self.report].into_iter().chain(tables);
+        all.filter_map(|output| output.as_deref())
     }
 
     /// Refuses early what would fail after the solve.
@@ -205,6 +214,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
     lamps::tell_darkness(&scene, &lighting);
     let view = arguments.view(&scene)?;
     let points = arguments.points.as_deref().map(read_points).transpose()?;
+    let grids = arguments.work_plane.map(|height| Grids::new(&scene, height)).transpose()?;
     arguments.check_outputs()?;
     let tour = arguments.tour(&scene)?;
 
@@ -212,8 +222,9 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
     let is_unlit = scene.luminaires.is_empty();
     let goal = arguments.goal().filter(|_| !is_unlit);
     // Without pictures or tables it is the points whose error counts.
-    let places = points.as_ref().filter(|_| arguments.wants_points_alone());
-    let places = places.map_or_else(Vec::new, |all| points::places(all, |place| scene.in_scene(place)));
+    let all = [points.as_ref(), grids.as_ref().map(|grids| &grids.points)];
+    let all = all.into_iter().flatten().filter(|_| arguments.wants_points_alone());
+    let places: Vec<_> = all.flat_map(|all| points::places(all, |place| scene.in_scene(place))).collect();
     let (lit, effects) = (&lighting, &settings.effects);
     let task = |goal| Task { scene: &scene, lighting: lit, goal, effects, places: &places };
     let reached = goal.map(|goal| budget::reach(&task(goal), start)).transpose()?;
@@ -244,9 +255,18 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
         };
         written.note(path, save_patch_table(path, &lit));
     }
-    let gathered = points.as_ref().map(|points| points::gather(points, &solved, &lighting, &light));
+    let overcast = match points.is_some() || grids.is_some() {
+        true => Overcast::of(&solved, &AtomicBool::new(false))?,
+        false => None,
+    };
+    let gather = |points: &Vec<_>| points::gather(points, &solved, &lighting, &light, overcast.as_ref());
+    let gathered = points.as_ref().map(gather);
     if let (Some(points), Some(gathered), Some(path)) = (&points, &gathered, &arguments.irradiance) {
         written.note(path, gathered.write(path, points));
+    }
+    let grids = grids.map(|grids| grids.gather(&solved, &lighting, &light, overcast.as_ref()));
+    if let (Some(grids), Some(path)) = (&grids, &arguments.work_plane_table) {
+        written.note(path, grids.write(path));
     }
     if let Some(path) = &arguments.report {
         let [outputs, total] = [outputs_start, start].map(|since| since.elapsed().as_secs_f64());
@@ -258,6 +278,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
         let mut report = report::report(&solved, &lighting, &light, own, written.files().to_vec());
         report.accuracy = accuracy;
         report.points = gathered.as_ref().map(points::Gathered::report);
+        report.work_planes = grids.as_ref().map_or_else(Vec::new, |grids| grids.reports.clone());
         written.note(path, export::write_report(path, &report));
     }
     let mut told = summary(&solved, solve_seconds);
@@ -269,6 +290,10 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
     }
     if let Some(gathered) = &gathered {
         told += &gathered.told();
+    }
+    told += &grids.as_ref().map_or_else(String::new, LitGrids::told);
+    if gathered.is_some() || grids.is_some() {
+        told += &points::sky_told(&solved.scene, overcast.as_ref());
     }
     for output in written.files() {
         told += &format!("wrote {output}\n");

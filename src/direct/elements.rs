@@ -233,6 +233,42 @@ impl Elements {
         }
     }
 
+    /// Values at the corners of these elements, brought to the corners of others over the same mesh: those that these do
+    /// not have lie in the middle of an edge and get the mean of its ends. `None` where they are over another mesh, or
+    /// there is not one value per corner.
+    pub fn carried(&self, values: &[[f32; 3]], to: &Self) -> Option<Vec<[f32; 3]>> {
+        if values.len() != self.corners.len() || self.roots != to.roots {
+            return None;
+        }
+        let mut carried = vec![[0.0; 3]; to.corners.len()];
+        let mut stack: Vec<(Option<u32>, u32, [[f32; 3]; 3])> = Vec::new();
+        for &root in self.roots.iter().filter(|&&root| root != NO_ELEMENT) {
+            let corners = self.elements[root as usize].corners;
+            stack.push((Some(root), root, corners.map(|corner| values[corner as usize])));
+            while let Some((own, at, here)) = stack.pop() {
+                let element = &to.elements[at as usize];
+                for (&corner, value) in element.corners.iter().zip(here) {
+                    carried[corner as usize] = value;
+                }
+                if element.children == NO_ELEMENT {
+                    continue;
+                }
+                let e = usize::from(element.edge);
+                let [a, b, c] = [e, (e + 1) % 3, (e + 2) % 3].map(|k| here[k]);
+                let own = own.map(|own| &self.elements[own as usize]);
+                let own = own.filter(|own| own.children != NO_ELEMENT && own.edge == element.edge);
+                let children = own.map(|own| own.children);
+                let middle = match children {
+                    Some(first) => values[self.elements[first as usize].corners[2] as usize],
+                    None => std::array::from_fn(|band| 0.5 * (a[band] + b[band])),
+                };
+                stack.push((children, element.children, [c, a, middle]));
+                stack.push((children.map(|first| first + 1), element.children + 1, [b, c, middle]));
+            }
+        }
+        Some(carried)
+    }
+
     /// Mean direct light of each patch, a value per basis: `values[patch * bases + basis]`.
     pub fn patch_means(&self, mesh: &PatchMesh, bases: usize) -> Vec<f32> {
         let mut sums = vec![0.0_f64; mesh.patches.len() * bases];
@@ -275,5 +311,59 @@ impl Elements {
         kept.trees = Arc::new(trees);
         kept.expected_error = self.expected_error;
         *self = kept;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A triangle, undivided.
+    fn triangle() -> Elements {
+        let corner = |x: f64, y: f64| ElementCorner { position: DVec3::new(x, y, 0.0), normal: DVec3::Z };
+        let trees = Trees {
+            corners: vec![corner(0.0, 0.0), corner(4.0, 0.0), corner(0.0, 4.0)],
+            elements: vec![Element { corners: [0, 1, 2], patch: 0, children: NO_ELEMENT, edge: 0 }],
+            roots: vec![0, NO_ELEMENT],
+            regions: vec![0],
+        };
+        Elements { trees: Arc::new(trees), ..Elements::default() }
+    }
+
+    fn divided(elements: &Elements, index: u32, edge: usize) -> Elements {
+        let mut divided = elements.clone();
+        let element = elements.elements[index as usize];
+        let [a, b] = [edge, (edge + 1) % 3].map(|k| elements.corners[element.corners[k] as usize]);
+        let middle = divided.corners.len() as u32;
+        let position = 0.5 * (a.position + b.position);
+        divided.corners.push(ElementCorner { position, normal: DVec3::Z });
+        divided.divide(index, edge, middle);
+        divided
+    }
+
+    #[test]
+    fn values_are_carried_to_finer_and_to_coarser_elements() {
+        let coarse = divided(&triangle(), 0, 1);
+        let fine = divided(&divided(&coarse, 1, 0), 2, 0);
+        // Not linear over the whole triangle: the middle of its edge stands for itself.
+        let values = [[0.0, 1.0, 2.0], [4.0; 3], [8.0; 3], [1.0; 3]];
+        let carried = coarse.carried(&values, &fine).expect("the same mesh");
+        assert_eq!(carried[..4], values);
+        for (corner, value) in fine.corners.iter().zip(&carried).skip(4) {
+            let ends: Vec<[f32; 3]> = match corner.position {
+                p if p == DVec3::new(2.0, 0.0, 0.0) => vec![values[0], values[1]],
+                p if p == DVec3::new(0.0, 2.0, 0.0) => vec![values[2], values[0]],
+                other => panic!("{other}"),
+            };
+            for band in 0..3 {
+                assert_eq!(value[band], 0.5 * (ends[0][band] + ends[1][band]), "{}", corner.position);
+            }
+        }
+        assert_eq!(fine.carried(&carried, &coarse).expect("the same mesh"), values);
+        // Divided otherwise, and of another mesh.
+        let other = divided(&triangle(), 0, 0);
+        assert_eq!(coarse.carried(&values, &other).expect("the same mesh")[3], [2.0, 2.5, 3.0]);
+        assert_eq!(coarse.carried(&values[..3], &fine), None);
+        assert_eq!(Elements::default().carried(&[], &fine), None);
     }
 }

@@ -21,7 +21,7 @@ pub use png::write_png;
 pub use points::{PointResult, PointsError, SurfacePoint, parse_points, read_points, write_irradiance};
 pub use report::{
     AccuracyReport, AreaReport, AttemptReport, DominantReport, EffectReport, ElementReport, ErrorReport,
-    FindingReport, FormFactorReport, GoalReport, LampReport, MaterialReport, MeshReport, PointsReport,
-    PowerReport, RangeReport, Report, SceneReport, SettingsReport, SweepLine, TimingReport,
-    peak_memory_bytes, write_report,
+    FindingReport, FormFactorReport, GoalReport, GridReport, LampReport, MaterialReport, MeshReport,
+    PointsReport, PowerReport, RangeReport, Report, SceneReport, SettingsReport, SweepLine, TimingReport,
+    WorkPlaneReport, peak_memory_bytes, write_report,
 };

@@ -1,4 +1,4 @@
-use super::csv::number;
+use super::csv::{number, quoted};
 use super::{ExportError, atomic};
 use glam::DVec3;
 use std::io::Write as _;
@@ -114,32 +114,44 @@ pub struct PointResult {
     pub irradiance: [f64; 3],
     /// Estimated error of its illuminance, lx: the truth lies within this in nine of ten cases.
     pub lux_error: f64,
+    /// Its daylight factor and the estimated error of that, per cent; `None` where there is no sky.
+    pub daylight_factor: Option<[f64; 2]>,
 }
 
 /// Writes `x,y,z,nx,ny,nz,irradiance_r,irradiance_g,irradiance_b,lux,lux_error`, one line per point, with
-/// irradiance in W/m² per band and `lux` of it.
+/// irradiance in W/m² per band and `lux` of it; `daylight_factor,daylight_factor_error`, in per cent, follow where
+/// they are known of all points. With `groups`, the names of these come first, as `room`.
 ///
 /// # Errors
 /// Counts that differ, or a refusal of the system.
 pub fn write_irradiance(
     path: &Path,
+    groups: Option<&[&str]>,
     points: &[SurfacePoint],
     results: &[PointResult],
     lux: Lux,
 ) -> Result<(), ExportError> {
-    if points.len() != results.len() {
+    let counts = [points.len(), groups.map_or(points.len(), <[&str]>::len)];
+    if counts.iter().any(|&count| count != results.len()) {
         return Err(ExportError::shape(
             path,
-            format!("there are {} points and {} results", points.len(), results.len()),
+            format!("there are {} points and {} results", counts[0], results.len()),
         ));
     }
+    let has_factors = results.iter().all(|result| result.daylight_factor.is_some());
     atomic::write(path, |file| {
-        writeln!(file, "x,y,z,nx,ny,nz,irradiance_r,irradiance_g,irradiance_b,lux,lux_error")?;
-        for (point, result) in points.iter().zip(results) {
+        write!(file, "{}", if groups.is_some() { "room," } else { "" })?;
+        write!(file, "x,y,z,nx,ny,nz,irradiance_r,irradiance_g,irradiance_b,lux,lux_error")?;
+        writeln!(file, "{}", if has_factors { ",daylight_factor,daylight_factor_error" } else { "" })?;
+        for (index, (point, result)) in points.iter().zip(results).enumerate() {
+            if let Some(groups) = groups {
+                write!(file, "{},", quoted(groups[index]))?;
+            }
             let place = [point.position, point.normal].into_iter().flat_map(|v| v.to_array());
             let told = [lux(result.irradiance), result.lux_error];
-            let fields: Vec<String> = place.chain(result.irradiance).chain(told).map(number).collect();
-            writeln!(file, "{}", fields.join(","))?;
+            let factors = result.daylight_factor.filter(|_| has_factors).into_iter().flatten();
+            let values = place.chain(result.irradiance).chain(told).chain(factors);
+            writeln!(file, "{}", values.map(number).collect::<Vec<String>>().join(","))?;
         }
         Ok(())
     })
@@ -189,11 +201,21 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("irradiance.csv");
         let points = parse_points("p.csv", "1,2,3,0,0,2").unwrap();
-        let result = PointResult { irradiance: [1.0, 2.0, 4.0], lux_error: 0.25 };
-        write_irradiance(&path, &points, &[result], |h| h.iter().sum()).unwrap();
-        let text = std::fs::read_to_string(&path).unwrap();
+        let result = PointResult { irradiance: [1.0, 2.0, 4.0], lux_error: 0.25, daylight_factor: None };
+        let write = |groups: Option<&[&str]>, result| {
+            write_irradiance(&path, groups, &points, &[result], |h| h.iter().sum()).unwrap();
+            std::fs::read_to_string(&path).unwrap()
+        };
         let header = "x,y,z,nx,ny,nz,irradiance_r,irradiance_g,irradiance_b,lux,lux_error";
-        assert_eq!(text, format!("{header}\n1,2,3,0,0,1,1,2,4,7,0.25\n"));
-        assert!(write_irradiance(&path, &points, &[], |_| 0.0).is_err());
+        assert_eq!(write(None, result), format!("{header}\n1,2,3,0,0,1,1,2,4,7,0.25\n"));
+        let daylit = PointResult { daylight_factor: Some([2.5, 0.125]), ..result };
+        assert_eq!(
+            write(Some(&["Room, left"]), daylit),
+            format!(
+                "room,{header},daylight_factor,daylight_factor_error\n\"Room, left\",1,2,3,0,0,1,1,2,4,7,0.25,2.5,0.125\n"
+            )
+        );
+        assert!(write_irradiance(&path, None, &points, &[], |_| 0.0).is_err());
+        assert!(write_irradiance(&path, Some(&[]), &points, &[result], |_| 0.0).is_err());
     }
 }

@@ -36,6 +36,8 @@ pub struct Report {
     pub accuracy: Option<AccuracyReport>,
     /// How wrong the illuminance at free points is; `null` where none was asked for.
     pub points: Option<PointsReport>,
+    /// The work planes that were asked for.
+    pub work_planes: Vec<WorkPlaneReport>,
     /// The most memory that the process ever held, bytes; `null` where the system does not tell.
     pub peak_memory_bytes: Option<u64>,
     /// Files written besides this one.
@@ -78,6 +80,51 @@ pub struct PointsReport {
     pub largest_error_percent: Option<f64>,
     /// Which point that is, counted from 1.
     pub worst_point: Option<usize>,
+}
+
+/// Illuminance and daylight factor over the work plane of a room.
+#[derive(Clone, Debug, Serialize)]
+pub struct WorkPlaneReport {
+    /// Of the room.
+    pub name: String,
+    /// Length and width of the room, m.
+    pub size_m: [f64; 2],
+    /// Of the plane above the floor, m.
+    pub height_m: f64,
+    /// Between neighbouring points, m.
+    pub spacing_m: [f64; 2],
+    /// Points evaluated.
+    pub points: usize,
+    /// Under the lamps and the sky as switched.
+    pub illuminance_lx: GridReport,
+    /// Least over mean illuminance, U0; `null` in the dark.
+    pub uniformity: Option<f64>,
+    /// Under the traditional overcast sky of the CIE; `null` where there is no sky.
+    pub daylight_factor_percent: Option<GridReport>,
+}
+
+/// Values at the points of a grid in a few numbers.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct GridReport {
+    /// Arithmetic mean.
+    pub mean: f64,
+    /// Half of the points have less, half have more.
+    pub median: f64,
+    /// Smallest.
+    pub minimum: f64,
+    /// Largest.
+    pub maximum: f64,
+}
+
+impl GridReport {
+    /// Of finite values; `None` where there are none.
+    pub fn of(values: &[f64]) -> Option<Self> {
+        let mut sorted = values.to_vec();
+        sorted.sort_by(f64::total_cmp);
+        let (&minimum, &maximum) = (sorted.first()?, sorted.last()?);
+        let median = 0.5 * (sorted[(sorted.len() - 1) / 2] + sorted[sorted.len() / 2]);
+        Some(Self { mean: sorted.iter().sum::<f64>() / sorted.len() as f64, median, minimum, maximum })
+    }
 }
 
 /// One material.

@@ -52,7 +52,7 @@ mod types;
 mod up_axis;
 mod views;
 
-pub use add_lamps::ceiling_lamps;
+pub use add_lamps::{USUAL_WORK_PLANE, WorkPlane, ceiling_lamps, work_planes};
 pub use colour::black_body;
 pub use doctor::{Crossing, Examination, check, examine};
 pub use error::SceneError;

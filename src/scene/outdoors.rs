@@ -161,6 +161,14 @@ impl Outdoors {
         if exitance > 0.0 && exitance.is_finite() { exitance } else { 1.0 }
     }
 
+    /// Whether this is the sky that daylight factors are defined under: the traditional overcast sky of the CIE, without
+    /// direct sun, at any brightness above zero.
+    pub fn is_reference(&self) -> bool {
+        let sky = self.daylight.sky();
+        let is_overcast = sky.pattern() == Pattern::Cie(CieType::OVERCAST) && sky.horizontal() > 0.0;
+        is_overcast && self.daylight.direct_normal() <= 0.0
+    }
+
     /// Irradiance of a surface that faces the sun, W/m² per band.
     pub fn sun_exitance(&self) -> f64 {
         self.daylight.direct_normal() / LUMINOUS_EFFICACY
@@ -245,6 +253,21 @@ impl DaylightChoice {
     #[must_use]
     pub fn without_lamps(&self) -> Self {
         Self { sky_lamp: None, sun_lamp: None, ..self.clone() }
+    }
+
+    /// The sky that daylight factors are defined under, over the same ground: the traditional overcast sky of the CIE,
+    /// 10,000 lux on the horizontal, lamps of sky and sun as they come.
+    #[must_use]
+    pub fn reference(&self) -> Self {
+        Self {
+            north: self.north,
+            ground: self.ground,
+            // An overcast sky is the same all around: the sun has to be somewhere, and does not shine.
+            sun: Some([90.0, 0.0]),
+            sky: Some(CieType::OVERCAST.number().to_string()),
+            lux: Some([0.0, 10_000.0]),
+            ..Self::default()
+        }
     }
 
     /// The same with some of its keys changed, as in "date=2026-06-21 time=14:30 sky=overcast"; pairs of numbers have a
@@ -401,7 +424,7 @@ impl Scene {
     /// # Errors
     /// A place, a time or an illuminance that cannot be, or a weather file that cannot be read.
     pub fn with_daylight(&self, choice: Option<&DaylightChoice>) -> Result<Self, SceneError> {
-        let asked = choice.map(|choice| self.asked(choice)).transpose()?;
+        let asked = choice.map(|choice| self.asked(choice, None)).transpose()?;
         let mut scene = self.clone();
         match (asked, &self.outdoors) {
             (Some(asked), Some(before)) => {
@@ -430,17 +453,23 @@ impl Scene {
         Ok(scene)
     }
 
-    /// The sky that daylight comes to over this scene.
+    /// The sky that daylight comes to over this scene. A weather file that the scene or a sky `known` before has is not
+    /// read again.
     ///
     /// # Errors
     /// As [`Self::with_daylight`].
-    pub fn outdoors_for(&self, choice: &DaylightChoice) -> Result<Outdoors, SceneError> {
-        Ok(self.outdoors_of(self.asked(choice)?, self.own_luminaires() as u32))
+    pub fn outdoors_for(
+        &self,
+        choice: &DaylightChoice,
+        known: Option<&Outdoors>,
+    ) -> Result<Outdoors, SceneError> {
+        Ok(self.outdoors_of(self.asked(choice, known)?, self.own_luminaires() as u32))
     }
 
-    fn asked(&self, choice: &DaylightChoice) -> Result<Asked, SceneError> {
+    fn asked(&self, choice: &DaylightChoice, known: Option<&Outdoors>) -> Result<Asked, SceneError> {
         let fail = |fault: String| SceneError::file(&format!("{}.toml", self.name), fault);
-        let known = self.outdoors.as_ref().filter(|before| before.choice.weather == choice.weather);
+        let mut known = [self.outdoors.as_ref(), known].into_iter().flatten();
+        let known = known.find(|before| before.choice.weather == choice.weather);
         let weather = match (&choice.weather, known.and_then(|before| before.weather.clone())) {
             (None, _) => None,
             (Some(_), Some(file)) => Some(file),

@@ -2,6 +2,7 @@
 
 use super::memory::too_large;
 use crate::mesh;
+use crate::scene::SceneError;
 use crate::watch::Cancelled;
 
 /// Why a solve ended without a solution.
@@ -13,6 +14,9 @@ pub enum PipelineError {
     /// The scene could not be cut into patches.
     #[error(transparent)]
     Mesh(mesh::MeshError),
+    /// The scene cannot be put under another sky.
+    #[error(transparent)]
+    Sky(#[from] SceneError),
     /// The rows would not fit into memory.
     #[error("{}", too_large(*patches, *whole, [*needed_gb, *available_gb], *fitting))]
     Memory {

@@ -1,6 +1,7 @@
 //! One solve from a scene to its light, step by step, and what it takes.
 
 mod arriving;
+mod daylight_factor;
 mod direct;
 mod effect_costs;
 mod element_light;
@@ -14,6 +15,7 @@ mod store;
 mod uneven;
 mod watched;
 
+pub use daylight_factor::{Overcast, daylight_factor};
 pub use effect_costs::{effect_costs, measured};
 pub use element_light::ElementLight;
 pub use error::PipelineError;

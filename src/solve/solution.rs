@@ -6,7 +6,7 @@ use crate::accuracy::ErrorBudget;
 use crate::direct::Scratch;
 use crate::effects::EffectPlan;
 use crate::form_factors::RowComputer;
-use crate::mesh::PatchMesh;
+use crate::mesh::{PatchMesh, Survey};
 use crate::scene::{Lighting, Scene};
 use crate::solver::{LightBases, PatchLight, SweepReport};
 use crate::transport::{AssembleReport, Transport};
@@ -21,6 +21,8 @@ use std::sync::Arc;
 pub struct Solution {
     /// What was solved.
     pub scene: Arc<Scene>,
+    /// What its patches rest on.
+    pub survey: Arc<Survey>,
     /// Its patches.
     pub mesh: Arc<PatchMesh>,
     /// What was simulated.
@@ -51,6 +53,7 @@ impl Solution {
         let patches = prepared.mesh.patches.len();
         let mut solution = Self {
             scene: prepared.scene.clone(),
+            survey: prepared.survey.clone(),
             mesh: prepared.mesh.clone(),
             plan: prepared.plan.clone(),
             computer: prepared.computer.clone(),
@@ -69,7 +72,11 @@ impl Solution {
 
     /// Takes other reflectances, one per patch and band.
     pub fn set_reflectance(&mut self, reflectance: &[[f64; 3]]) {
-        self.reflectance = Arc::new(reflectance.iter().map(|r| r.map(|b| b as f32)).collect());
+        let reflectance: Vec<[f32; 3]> = reflectance.iter().map(|r| r.map(|b| b as f32)).collect();
+        // Whoever holds the same ones sees that they are.
+        if *self.reflectance != reflectance {
+            self.reflectance = Arc::new(reflectance);
+        }
     }
 
     /// What sampling and balancing found; all zero without a transport.

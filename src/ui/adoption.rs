@@ -166,7 +166,7 @@ fn carry_daylight(read: &Scene, edits: &Edits, now: &Scene, new: &mut Edits) {
         return;
     }
     if let (Some(choice), Some(Ok(outdoors)), Some(before)) =
-        (&wanted, wanted.as_ref().map(|choice| now.outdoors_for(choice)), &now.outdoors)
+        (&wanted, wanted.as_ref().map(|choice| now.outdoors_for(choice, None)), &now.outdoors)
     {
         let states = new.lighting.lamps.get_mut(before.sky as usize..=before.sun as usize);
         for (state, initial) in states.into_iter().flatten().zip(outdoors.states()) {

@@ -6,6 +6,7 @@ use super::background::Background;
 use super::camera_control::CameraControl;
 use super::command::EditKey;
 use super::daylight::{Day, DayPlaying};
+use super::daylight_factor::{Factors, Of};
 use super::doctor::Doctor;
 use super::exposure::AutoExposure;
 use super::files::Files;
@@ -17,7 +18,7 @@ use super::leaving::{Leaving, Work};
 use super::microscope::Microscope;
 use super::overlay::Notice;
 use super::panels::{self, Commands, Model};
-use super::path_dialog::{Answer, PathDialog};
+use super::path_dialog::{Answer, PathDialog, Purpose};
 use super::picture::Picture;
 use super::reclaim::Reclaim;
 use super::recovery::{Handover, Legacy};
@@ -116,6 +117,8 @@ pub struct App {
     pub(super) day: Option<Day>,
     /// The day that plays.
     pub(super) day_playing: Option<DayPlaying>,
+    /// Daylight factors of the solve that ended last.
+    pub(super) factors: Background<Of, Option<Arc<Factors>>>,
     /// The tour whose ways were found last.
     pub(super) tours: Background<Plan, Option<Tour>>,
     pub(super) clock: FrameClock,
@@ -214,6 +217,7 @@ impl App {
             divider: 0.5,
             day: None,
             day_playing: None,
+            factors: Background::default(),
             touring: None,
             tours: Background::default(),
             clock,
@@ -398,6 +402,7 @@ impl App {
             exposure: self.exposure_in_force(),
             gains: self.gains,
             shown_values: &self.shown_values,
+            daylight_factors: self.daylight_factors().map(|factors| factors.of_patches.as_slice()),
             solo: self.solo.as_ref().map(|(lamp, _)| *lamp),
             has_comparison: self.picture.has_comparison(),
             day: self.day.as_ref(),
@@ -417,11 +422,12 @@ impl App {
 
     fn ask_for_path(&mut self, ui: &egui::Ui) {
         let Some(mut dialog) = self.path_dialog.take() else { return };
-        match (dialog.show(ui), dialog.kind) {
+        match (dialog.show(ui), dialog.purpose) {
             (Answer::Waiting, _) => self.path_dialog = Some(dialog),
             (Answer::Cancelled, _) => {}
-            (Answer::Path(path), None) => self.leave_for(SceneSource::File(path)),
-            (Answer::Path(path), Some(kind)) => self.save_to(kind, path),
+            (Answer::Path(path), Purpose::Scene) => self.leave_for(SceneSource::File(path)),
+            (Answer::Path(path), Purpose::Weather) => self.take_weather(&path),
+            (Answer::Path(path), Purpose::Save(kind)) => self.save_to(kind, path),
         }
     }
 

@@ -7,6 +7,7 @@ use super::doctor;
 use super::state::DisplaySettings;
 use crate::scene::{DaylightChoice, LampState, LengthUnit, SceneSource, UpAxis};
 use crate::solve::SolveSettings;
+use std::path::PathBuf;
 
 /// What is saved to a file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -73,6 +74,10 @@ pub(super) enum Command {
     ResetLamps,
     /// Another sky over the model, or none.
     SetDaylight(Option<Box<DaylightChoice>>),
+    /// Choose a weather file for the sky over the model.
+    WeatherDialog,
+    /// Take place and sky from this weather file.
+    SetWeather(PathBuf),
     /// Play the day, or end that.
     ToggleDay,
     /// A new reflectance; `None` restores that of the file.

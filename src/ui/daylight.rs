@@ -4,7 +4,8 @@ use super::app::App;
 use super::command::EditKey;
 use super::state::Edits;
 use crate::daylight::{DayLength, Phase};
-use crate::scene::{DaylightChoice, LampState, Lighting, OutdoorSwitch, Outdoors, Scene};
+use crate::scene::{DaylightChoice, LampState, Lighting, OutdoorSwitch, Outdoors, Scene, SceneSource};
+use std::path::Path;
 use std::sync::Arc;
 
 /// A day plays in so many seconds.
@@ -26,7 +27,9 @@ pub(super) struct Day {
 impl Day {
     fn new(scene: &Scene, choice: &DaylightChoice, before: Option<&Self>) -> Result<Self, String> {
         let choice = choice.without_lamps();
-        let outdoors = scene.outdoors_for(&choice).map_err(|error| error.to_string())?;
+        let outdoors = scene
+            .outdoors_for(&choice, before.map(|day| &day.outdoors))
+            .map_err(|error| error.to_string())?;
         let of_day = |choice: &DaylightChoice| {
             (choice.latitude, choice.longitude, choice.zone, choice.date.clone(), choice.weather.clone())
         };
@@ -89,6 +92,15 @@ pub(super) fn first_choice() -> DaylightChoice {
         sky: Some("clear".to_owned()),
         ..DaylightChoice::default()
     }
+}
+
+/// How a sidecar names a weather file: by its name alone where it lies beside the model, else by its whole path.
+fn weather_name(source: &SceneSource, path: &Path) -> String {
+    let whole = std::path::absolute(path).unwrap_or_else(|_| path.to_owned());
+    let beside = source.path().and_then(|model| std::path::absolute(model).ok());
+    let is_beside = beside.is_some_and(|model| model.parent() == whole.parent());
+    let name = whole.file_name().filter(|_| is_beside).map(Path::new);
+    name.unwrap_or(&whole).to_string_lossy().into_owned()
 }
 
 /// A day that plays, and where it stands.
@@ -196,6 +208,44 @@ impl App {
         Some(edits)
     }
 
+    /// Takes place, clocks and sky from a weather file, at the present date and hour; what makes it useless is told and
+    /// changes nothing.
+    pub(super) fn take_weather(&mut self, path: &Path) {
+        let Some(scene) = self.scene_shown.clone() else {
+            self.complain("Open a scene first: a weather file gives it a sky".to_owned());
+            return;
+        };
+        let before = self.edits.daylight.clone().unwrap_or_else(first_choice);
+        let weather = Some(weather_name(&scene.source, path));
+        let mut choice = DaylightChoice {
+            weather,
+            sun: None,
+            sky: None,
+            lux: None,
+            irradiance: None,
+            ..before.without_lamps()
+        };
+        match scene.outdoors_for(&choice, None) {
+            Ok(outdoors) => {
+                if let Some(place) = outdoors.weather.map(|file| file.place()) {
+                    // They stay when the file is left again.
+                    (choice.latitude, choice.longitude) = (Some(place.latitude()), Some(place.longitude()));
+                    choice.zone = Some(place.zone());
+                }
+            }
+            Err(fault) => {
+                self.complain(fault.to_string());
+                return;
+            }
+        }
+        self.day_playing = None;
+        if let Some(edits) = self.with_daylight(Some(&choice)) {
+            self.history.seal();
+            self.apply(EditKey::Daylight, edits);
+            self.history.seal();
+        }
+    }
+
     /// Has the scene lit by the daylight that is wanted now.
     pub(super) fn send_daylight(&mut self) {
         if let Some(read) = self.lampless.read() {
@@ -266,6 +316,15 @@ mod tests {
         let wrong = DaylightChoice { date: Some("2026-02-30".to_owned()), ..at("12:00") };
         assert!(Day::new(&scene, &wrong, None).is_err());
         assert_eq!([clock(9.5), clock(24.0), clock(-1.0)], ["09:30", "23:59", "00:00"]);
+    }
+
+    #[test]
+    fn a_weather_file_beside_the_model_goes_by_its_name() {
+        let source = SceneSource::File("/models/office.obj".into());
+        assert_eq!(weather_name(&source, Path::new("/models/berlin.epw")), "berlin.epw");
+        assert_eq!(weather_name(&source, Path::new("/weather/berlin.epw")), "/weather/berlin.epw");
+        let house = SceneSource::Builtin("house".to_owned());
+        assert_eq!(weather_name(&house, Path::new("/weather/berlin.epw")), "/weather/berlin.epw");
     }
 
     #[test]

@@ -134,6 +134,8 @@ impl App {
                 }
             }
             Command::ToggleDay => self.toggle_day(),
+            Command::WeatherDialog => self.files.weather_dialog(),
+            Command::SetWeather(path) => self.take_weather(&path),
             Command::AddCeilingLamps => self.look_for_lamps(),
             Command::Doctor(ask) => self.ask_doctor(ask),
             Command::Inspect(patch) => {

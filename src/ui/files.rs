@@ -2,6 +2,7 @@
 //! on a thread of its own and reports by a channel.
 
 use super::command::SaveKind;
+use super::path_dialog::Purpose;
 use super::prepared::Prepared;
 use super::state::Edits;
 use crate::display::{Exposure, Shading, SkyView, ToneMap};
@@ -32,12 +33,14 @@ const REST: Duration = Duration::from_millis(500);
 pub(super) enum FileNews {
     /// A scene was chosen.
     Opened(PathBuf),
+    /// A weather file was chosen.
+    Weather(PathBuf),
     /// A name to save under was chosen.
     SaveAs(SaveKind, PathBuf),
     /// The dialog was closed without a choice.
     Cancelled,
     /// The desktop has no file dialog: ask inside the window.
-    NoDialog(Option<SaveKind>),
+    NoDialog(Purpose),
     /// Saved.
     Saved(PathBuf),
     /// A repaired copy was saved, and what was mended.
@@ -100,15 +103,22 @@ impl Files {
 
     /// Asks for a scene to open.
     pub(super) fn open_dialog(&self) {
-        let dialog = rfd::AsyncFileDialog::new()
-            .set_title("Open a scene")
-            .add_filter("Wavefront OBJ", &["obj", "OBJ"]);
+        self.ask(Purpose::Scene, ("Wavefront OBJ", &["obj", "OBJ"]), FileNews::Opened);
+    }
+
+    /// Asks for a weather file.
+    pub(super) fn weather_dialog(&self) {
+        self.ask(Purpose::Weather, ("EnergyPlus weather", &["epw", "EPW"]), FileNews::Weather);
+    }
+
+    fn ask(&self, purpose: Purpose, (name, endings): (&str, &[&str]), chosen: fn(PathBuf) -> FileNews) {
+        let dialog = rfd::AsyncFileDialog::new().set_title(purpose.title()).add_filter(name, endings);
         let choice = dialog.pick_file();
         self.spawn("open dialog", move || {
             let asked = Instant::now();
             match pollster::block_on(choice) {
-                Some(file) => FileNews::Opened(file.path().to_owned()),
-                None if asked.elapsed() < NEVER_SHOWN => FileNews::NoDialog(None),
+                Some(file) => chosen(file.path().to_owned()),
+                None if asked.elapsed() < NEVER_SHOWN => FileNews::NoDialog(purpose),
                 None => FileNews::Cancelled,
             }
         });
@@ -130,7 +140,7 @@ impl Files {
             let asked = Instant::now();
             match pollster::block_on(choice) {
                 Some(file) => FileNews::SaveAs(kind, file.path().to_owned()),
-                None if asked.elapsed() < NEVER_SHOWN => FileNews::NoDialog(Some(kind)),
+                None if asked.elapsed() < NEVER_SHOWN => FileNews::NoDialog(Purpose::Save(kind)),
                 None => FileNews::Cancelled,
             }
         });

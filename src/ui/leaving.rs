@@ -63,7 +63,7 @@ impl Work {
 fn plain_lamps(scene: &Scene, edits: &Edits) -> Vec<LampState> {
     let mut lamps = edits.lighting.lamps.clone();
     let Some(choice) = &edits.daylight else { return lamps };
-    if let Ok(outdoors) = scene.outdoors_for(&choice.without_lamps())
+    if let Ok(outdoors) = scene.outdoors_for(&choice.without_lamps(), None)
         && let Some(states) = lamps.get_mut(outdoors.sky as usize..=outdoors.sun as usize)
     {
         let hour = [outdoors.sky_exitance(), outdoors.sun_exitance()];

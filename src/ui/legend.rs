@@ -60,9 +60,11 @@ pub(super) fn show(ui: &egui::Ui, view: Rect, quantity: Quantity, scale: &FalseC
 }
 
 /// Says into the same corner why a map is not shown yet.
-pub(super) fn pending(ui: &egui::Ui, view: Rect, quantity: Quantity) {
+pub(super) fn pending(ui: &egui::Ui, view: Rect, quantity: Quantity, has_sky: bool) {
     let needs = match quantity {
         Quantity::Residual | Quantity::Unshot => "as soon as light arrives",
+        Quantity::DaylightFactor if has_sky => "once the light has settled",
+        Quantity::DaylightFactor => "under a sky: Daylight > Add daylight",
         Quantity::Error => "once the light has been checked",
         q if q.is_row() => "as soon as a patch is looked into",
         _ => "once all rows are there",

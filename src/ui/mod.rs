@@ -14,6 +14,7 @@ mod colour;
 mod command;
 mod comparison;
 mod daylight;
+mod daylight_factor;
 mod doctor;
 mod drawn;
 mod execute;

@@ -5,13 +5,14 @@ use super::daylight::lighting_for;
 use super::files::FileNews;
 use super::microscope::Shown;
 use super::overlay::{NOTICE_SECS, Notice};
-use super::path_dialog::PathDialog;
+use super::path_dialog::{PathDialog, Purpose};
 use super::state::Quantity;
 use super::{change, panels};
 use crate::direct::Focus;
 use crate::scene::{FrameChoice, Scene, SceneSource};
 use crate::session::Snapshot;
 use crate::solve::Stage;
+use std::path::PathBuf;
 use std::sync::Arc;
 
 impl App {
@@ -56,6 +57,7 @@ impl App {
         self.follow_error(time);
         self.look_after_device(ctx, time);
         self.audit(ctx, time);
+        self.follow_daylight_factors(ctx);
         // On the way to a goal what is checked is to be what was solved.
         let at_leisure = self.state.refine_at_leisure && !self.auditor.is_reaching();
         self.worker.refine_at_leisure(at_leisure, self.focus());
@@ -200,11 +202,15 @@ impl App {
     fn file_news(&mut self, ctx: &egui::Context, news: FileNews, time: f64) {
         match news {
             FileNews::Opened(path) => self.leave_for(SceneSource::File(path)),
+            FileNews::Weather(path) => self.take_weather(&path),
             FileNews::SaveAs(kind, path) => self.save_to(kind, path),
             FileNews::Cancelled => {}
-            FileNews::NoDialog(kind) => {
-                let suggestion = kind.map(|kind| self.suggested_path(kind)).unwrap_or_default();
-                self.path_dialog = Some(PathDialog::new(kind, suggestion));
+            FileNews::NoDialog(purpose) => {
+                let suggestion = match purpose {
+                    Purpose::Save(kind) => self.suggested_path(kind),
+                    Purpose::Scene | Purpose::Weather => PathBuf::new(),
+                };
+                self.path_dialog = Some(PathDialog::new(purpose, suggestion));
             }
             FileNews::Saved(path) => {
                 if path.extension().is_some_and(|e| e == "toml") {

@@ -139,6 +139,10 @@ pub(super) fn readout(ui: &egui::Ui, view: Rect, model: &Model<'_>, pick: &Pick,
     };
     let lux = units::light(illuminance(irradiance.map(f64::from)));
     let cd = units::light(luminance(*radiosity));
+    // Materials of A may be others.
+    let factor = model.daylight_factors.filter(|_| kept.is_none()).and_then(|factors| factors.get(id));
+    let factor =
+        factor.map_or_else(String::new, |factor| format!("     D {} %", units::digits(f64::from(*factor))));
     let rho = model.reflectance.get(id).copied().unwrap_or_default().map(f64::from);
     let material = scene.materials.get(patch.material as usize).map_or("", |m| m.name.as_str());
     let lamp = patch.luminaire.and_then(|l| scene.luminaires.get(l as usize));
@@ -153,7 +157,11 @@ pub(super) fn readout(ui: &egui::Ui, view: Rect, model: &Model<'_>, pick: &Pick,
     let b = radiosity.map(|x| units::digits(f64::from(x))).join(" ");
     let patch = format!("patch {}  -  B {b} W/m²  -  {distance} {}", units::count(id), scene.unit.symbol());
     let mut lines = vec![
-        (format!("{}{lux} lx     {cd} cd/m²", if kept.is_some() { "A:  " } else { "" }), 17.0, theme::TEXT),
+        (
+            format!("{}{lux} lx     {cd} cd/m²{factor}", if kept.is_some() { "A:  " } else { "" }),
+            17.0,
+            theme::TEXT,
+        ),
         (what, 11.5, theme::TEXT),
         (patch, 11.5, theme::TEXT_WEAK),
     ];
@@ -187,7 +195,8 @@ pub(super) fn readout(ui: &egui::Ui, view: Rect, model: &Model<'_>, pick: &Pick,
 /// The number behind the false colour of a patch, where it is none of those that are told anyway.
 fn shown_value(model: &Model<'_>, patch: usize) -> Option<String> {
     let quantity = model.edits.display.quantity;
-    if matches!(quantity, Quantity::Illuminance | Quantity::Luminance | Quantity::Sides) {
+    let told = [Quantity::Illuminance, Quantity::Luminance, Quantity::DaylightFactor, Quantity::Sides];
+    if told.contains(&quantity) {
         return None;
     }
     let value = *model.shown_values.get(patch)?;

@@ -5,11 +5,32 @@ use super::theme;
 use egui::{Align2, Key, RichText, TextEdit, Vec2};
 use std::path::PathBuf;
 
+/// What a path is asked for.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Purpose {
+    /// A scene to open.
+    Scene,
+    /// A weather file to read.
+    Weather,
+    /// A file to save.
+    Save(SaveKind),
+}
+
+impl Purpose {
+    /// What the dialog is called.
+    pub(super) fn title(self) -> &'static str {
+        match self {
+            Self::Scene => "Open a scene",
+            Self::Weather => "Open a weather file (EPW)",
+            Self::Save(kind) => kind.title(),
+        }
+    }
+}
+
 /// The open question.
 #[derive(Clone, Debug)]
 pub(super) struct PathDialog {
-    /// What is saved; `None` to open a scene.
-    pub(super) kind: Option<SaveKind>,
+    pub(super) purpose: Purpose,
     text: String,
     focused: bool,
 }
@@ -26,15 +47,14 @@ pub(super) enum Answer {
 
 impl PathDialog {
     /// Asks for a path, beginning with a suggestion.
-    pub(super) fn new(kind: Option<SaveKind>, suggestion: PathBuf) -> Self {
-        Self { kind, text: suggestion.display().to_string(), focused: false }
+    pub(super) fn new(purpose: Purpose, suggestion: PathBuf) -> Self {
+        Self { purpose, text: suggestion.display().to_string(), focused: false }
     }
 
     /// Shows the question in the middle of the window.
     pub(super) fn show(&mut self, ui: &egui::Ui) -> Answer {
         let mut answer = Answer::Waiting;
-        let title = self.kind.map_or("Open a scene", SaveKind::title);
-        egui::Window::new(title)
+        egui::Window::new(self.purpose.title())
             .anchor(Align2::CENTER_CENTER, Vec2::ZERO)
             .collapsible(false)
             .resizable(false)
@@ -48,7 +68,8 @@ impl PathDialog {
                 }
                 let entered = field.lost_focus() && ui.input(|i| i.key_pressed(Key::Enter));
                 ui.horizontal(|ui| {
-                    let word = if self.kind.is_some() { "Save file" } else { "Open file" };
+                    let word =
+                        if matches!(self.purpose, Purpose::Save(_)) { "Save file" } else { "Open file" };
                     let ready = !self.text.trim().is_empty();
                     if (ui.add_enabled(ready, egui::Button::new(word)).clicked() || entered) && ready {
                         answer = Answer::Path(PathBuf::from(self.text.trim()));

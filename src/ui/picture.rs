@@ -397,6 +397,11 @@ pub(super) fn scale(display: &DisplaySettings, values: &[(f32, f64)]) -> FalseCo
     let map = if display.quantity.is_signed() { ColourMap::BlueRed } else { ColourMap::Viridis };
     let mut scale = match display.quantity {
         Quantity::Reflectance => FalseColour { map, range: [0.0, 1.0], logarithmic: false },
+        // Usual rooms lie within it, and pictures of two designs compare.
+        Quantity::DaylightFactor => {
+            let range = if display.logarithmic { [0.1, 10.0] } else { [0.0, 10.0] };
+            FalseColour { map, range, logarithmic: display.logarithmic }
+        }
         Quantity::Sides => FalseColour { map, range: [-1.0, 1.0], logarithmic: false },
         _ => FalseColour::fitted_by_area(map, display.logarithmic, values),
     };

@@ -32,6 +32,9 @@ pub enum Quantity {
     Illuminance,
     /// Luminance in cd/m².
     Luminance,
+    /// Illuminance under the traditional overcast sky of the CIE over that of the open horizontal, %; whatever the present
+    /// sky and lamps.
+    DaylightFactor,
     /// Illuminance now less that of the stored state A, lux.
     Difference,
     /// Reflectance of the patches, 0 to 1.
@@ -69,10 +72,11 @@ pub enum Quantity {
 
 impl Quantity {
     /// All of them, in the order of the menu.
-    pub const ALL: [Self; 19] = [
+    pub const ALL: [Self; 20] = [
         Self::Picture,
         Self::Illuminance,
         Self::Luminance,
+        Self::DaylightFactor,
         Self::Difference,
         Self::Reflectance,
         Self::PatchIds,
@@ -100,6 +104,7 @@ impl Quantity {
             Self::Picture => "Picture",
             Self::Illuminance => "Illuminance",
             Self::Luminance => "Luminance",
+            Self::DaylightFactor => "Daylight factor",
             Self::Difference => "Difference to A",
             Self::Reflectance => "Reflectance",
             Self::PatchIds => "Patch ids",
@@ -127,7 +132,7 @@ impl Quantity {
             Self::Area => "m²",
             Self::RowDensity => "1/m²",
             Self::RowLight => "lx/m²",
-            Self::Escape | Self::Closure | Self::Reciprocity | Self::Error => "%",
+            Self::DaylightFactor | Self::Escape | Self::Closure | Self::Reciprocity | Self::Error => "%",
             Self::Unshot => "lm",
             _ => "",
         }
@@ -169,6 +174,10 @@ impl Quantity {
                  what rays found at some patches, spread to the others by what the picture shows there"
             }
             Self::Aspect => "Longest extent squared over area: 1 for a square",
+            Self::DaylightFactor => {
+                "Illuminance under the CIE's traditional overcast sky over that of the open horizontal outside, whatever \
+                 sky is chosen; lamps and sun off"
+            }
             Self::Difference => "Illuminance now less that of the stored state A",
             _ => "",
         }

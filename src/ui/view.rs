@@ -177,9 +177,12 @@ impl App {
         let lights = [Some(&self.picture.light), kept];
         let quantity = display.quantity;
         let of_patch = quantity.is_row() || quantity.is_defect();
+        let factors = self.daylight_factors().cloned();
         // Where microscope or auditor have no answer yet the picture is shown.
         let values = if quantity == Quantity::Error {
             self.auditor.error_percent(&prepared.mesh).map(|values| [Some(values), None])
+        } else if quantity == Quantity::DaylightFactor {
+            factors.as_ref().map(|factors| [Some(factors.of_patches.clone()), None])
         } else if of_patch {
             let values = self.microscope.scalars(quantity, &prepared, &self.picture.light);
             if quantity.is_row()
@@ -204,6 +207,9 @@ impl App {
             self.scale = Some(picture::scale(&display, &areas));
             let corners = |k: usize| {
                 let values = values[k].as_ref()?;
+                if let Some(factors) = factors.as_ref().filter(|_| quantity == Quantity::DaylightFactor) {
+                    return Some(factors.at_corners(&prepared, &display));
+                }
                 Some(self.picture.corner_scalars_of(lights[k], values, &display))
             };
             let (now, kept) = (corners(0), corners(1));
@@ -336,7 +342,8 @@ impl App {
         match &self.scale {
             Some(scale) => legend::show(ui, rect, quantity, scale),
             None if quantity.is_scalar() && self.picture.prepared.is_some() => {
-                legend::pending(ui, rect, quantity);
+                let has_sky = model.scene.is_some_and(|scene| scene.outdoors.is_some());
+                legend::pending(ui, rect, quantity, has_sky);
             }
             None => {}
         }
@@ -392,10 +399,13 @@ impl App {
     /// Opens what was dropped onto the window.
     pub(super) fn dropped_files(&mut self, ui: &egui::Ui, out: &mut Commands) {
         let paths: Vec<_> = ui.input(|i| i.raw.dropped_files.iter().map(|f| f.path().to_owned()).collect());
-        let is_obj =
-            |path: &std::path::PathBuf| path.extension().is_some_and(|e| e.eq_ignore_ascii_case("obj"));
-        if let Some(path) = paths.iter().find(|path| is_obj(path)) {
+        let has_ending = |path: &std::path::Path, ending: &str| {
+            path.extension().is_some_and(|e| e.eq_ignore_ascii_case(ending))
+        };
+        if let Some(path) = paths.iter().find(|path| has_ending(path, "obj")) {
             out.push(Command::Open(SceneSource::File(path.clone())));
+        } else if let Some(path) = paths.iter().find(|path| has_ending(path, "epw")) {
+            out.push(Command::SetWeather(path.clone()));
         } else if let Some(path) = paths.first() {
             self.complain(format!("{} is no OBJ file, so it cannot be opened", path.display()));
         }

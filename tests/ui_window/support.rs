@@ -55,6 +55,24 @@ pub(crate) fn solved() -> Arc<Snapshot> {
     Arc::clone(SOLVED.get_or_init(solve))
 }
 
+/// The scene with a window to the south, under a clear morning sky, solved once for all tests of a file.
+pub(crate) fn solved_by_day() -> Arc<Snapshot> {
+    static SOLVED: OnceLock<Arc<Snapshot>> = OnceLock::new();
+    let daylight = "[daylight]\nsun = [35, 150]\nsky = \"clear\"\nlux = [60000, 12000]\n";
+    Arc::clone(SOLVED.get_or_init(|| under_sky(daylight)))
+}
+
+/// The scene with a window of 1.2 x 1 m in its south wall (+z), under the sky of these lines of a sidecar.
+pub(crate) fn under_sky(daylight: &str) -> Arc<Snapshot> {
+    let folder = tempfile::tempdir().expect("a folder");
+    let model = write_model(folder.path());
+    let window = "v 1.4 1 3\nv 2.6 1 3\nv 2.6 2 3\nv 1.4 2 3\no Window\nusemtl plaster\n\
+                  f 4 17 18 3\nf 3 18 19 7\nf 7 19 20 8\nf 8 20 17 4\n";
+    std::fs::write(&model, OBJ.replace("f 4 8 7 3\n", "") + window).expect("written");
+    std::fs::write(model.with_extension("toml"), format!("{SIDECAR}{daylight}")).expect("written");
+    solution_of(&model)
+}
+
 /// Writes the small scene to a folder; where its model is.
 pub(crate) fn write_model(folder: &Path) -> PathBuf {
     for (name, text) in [("room.obj", OBJ), ("room.mtl", MTL), ("room.toml", SIDECAR)] {

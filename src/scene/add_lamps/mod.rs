@@ -1,8 +1,11 @@
 //! Lamps for a model that has none: one below the ceiling of each room, several in a large one; where there
-//! is no ceiling, hanging over the largest floor.
+//! is no ceiling, hanging over the largest floor. Work planes are laid out in the same rooms.
 
 mod plan;
 mod rooms;
+mod work_planes;
+
+pub use work_planes::{USUAL_WORK_PLANE, WorkPlane, work_planes};
 
 use super::placed::{LampColour, LampKind, PlacedLamp, SINGLE};
 use super::types::Scene;

@@ -49,6 +49,7 @@ pub(super) struct Space {
 
 /// All columns of a model.
 pub(super) struct Plan {
+    triangles: Vec<[DVec3; 3]>,
     pub(super) bvh: Bvh,
     pub(super) up: DVec3,
     /// The two level axes.
@@ -101,6 +102,7 @@ impl Plan {
         let counts = [level.x, level.y].map(|length| ((length / cell).ceil() as usize).max(1));
         let corner = DVec2::new(bounds.min.dot(axes[0]), bounds.min.dot(axes[1]));
         let mut plan = Self {
+            triangles,
             bvh,
             up,
             axes,
@@ -112,8 +114,10 @@ impl Plan {
             spaces: Vec::new(),
             links: Vec::new(),
         };
-        let columns: Vec<Vec<Space>> =
-            (0..counts[0] * counts[1]).into_par_iter().map(|cell| plan.column(&triangles, cell)).collect();
+        let columns: Vec<Vec<Space>> = (0..counts[0] * counts[1])
+            .into_par_iter()
+            .map(|cell| plan.column(cell, plan.level(cell)))
+            .collect();
         let mut ranges = Vec::with_capacity(columns.len());
         for column in columns {
             let start = plan.spaces.len() as u32;
@@ -140,15 +144,22 @@ impl Plan {
         self.axes[0] * level.x + self.axes[1] * level.y + self.up * height
     }
 
-    /// The spaces of a column, from above.
-    fn column(&self, triangles: &[[DVec3; 3]], cell: usize) -> Vec<Space> {
-        let at = self.level(cell);
+    /// The column that holds these level coordinates.
+    pub(super) fn cell_at(&self, level: DVec2) -> Option<usize> {
+        let at = ((level - self.corner) / self.cell).floor();
+        // Casting saturates.
+        let [x, y] = [at.x as usize, at.y as usize];
+        (at.min_element() >= 0.0 && x < self.counts[0] && y < self.counts[1]).then(|| y * self.counts[0] + x)
+    }
+
+    /// The spaces at a place of a column, from above.
+    pub(super) fn column(&self, cell: usize, at: DVec2) -> Vec<Space> {
         let flat = |p: DVec3| DVec2::new(p.dot(self.axes[0]), p.dot(self.axes[1]));
         let bounds = self.bvh.bounds();
-        let line = Aabb::around([bounds.min, bounds.max].map(|end| self.at(cell, end.dot(self.up))));
+        let line = Aabb::around([bounds.min, bounds.max].map(|end| self.point(at, end.dot(self.up))));
         let mut met: Vec<(f64, bool)> = Vec::new();
         self.bvh.touching(&line, |id| {
-            let corners = triangles[id as usize];
+            let corners = self.triangles[id as usize];
             let [a, b, c] = corners.map(flat);
             let (ab, ac, ap) = (b - a, c - a, at - a);
             let twice = ab.perp_dot(ac);

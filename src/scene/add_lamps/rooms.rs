@@ -17,9 +17,9 @@ const ROUNDS: usize = 12;
 /// A room, or a court.
 pub(super) struct Room {
     /// Indices of its spaces, rising.
-    spaces: Vec<u32>,
+    pub(super) spaces: Vec<u32>,
     /// Of each space, metres to the nearest side.
-    depths: Vec<f64>,
+    pub(super) depths: Vec<f64>,
     /// m².
     pub(super) area: f64,
     /// Median heights along the up axis, metres.

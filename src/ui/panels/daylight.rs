@@ -60,11 +60,13 @@ pub(in crate::ui) fn show(ui: &mut Ui, model: &Model<'_>, out: &mut Commands) {
     }
     let (Some(day), Some(_)) = (model.day, &model.edits.daylight) else {
         empty(ui, "No sky: light comes from the lamps alone.");
-        let add =
-            ui.button("Add daylight").on_hover_text("A sky and a sun over the model, by place and time");
-        if add.clicked() {
-            out.push(Command::SetDaylight(Some(Box::new(first_choice()))));
-        }
+        ui.horizontal(|ui| {
+            let tip = "A sky and a sun over the model, by place and time";
+            if ui.button("Add daylight").on_hover_text(tip).clicked() {
+                out.push(Command::SetDaylight(Some(Box::new(first_choice()))));
+            }
+            weather_button(ui, out);
+        });
         return;
     };
     let mut choice = day.choice.clone();
@@ -75,7 +77,7 @@ pub(in crate::ui) fn show(ui: &mut Ui, model: &Model<'_>, out: &mut Commands) {
             date(ui, &mut choice);
         }
     }
-    sky(ui, &mut choice);
+    sky(ui, day, &mut choice);
     if choice.sun.is_none() && choice.weather.is_none() {
         place(ui, &mut choice);
     }
@@ -90,12 +92,22 @@ pub(in crate::ui) fn show(ui: &mut Ui, model: &Model<'_>, out: &mut Commands) {
                     DaylightChoice { sun: None, latitude, longitude, zone, date, time, ..choice.clone() };
             }
         }
+        if choice.sun.is_none() {
+            weather_button(ui, out);
+        }
         if ui.button("Remove daylight").on_hover_text("Light from the lamps alone").clicked() {
             out.push(Command::SetDaylight(None));
         }
     });
     if choice != day.choice {
         out.push(Command::SetDaylight(Some(Box::new(choice))));
+    }
+}
+
+fn weather_button(ui: &mut Ui, out: &mut Commands) {
+    let tip = "Place, clocks and the sky of the date and hour from an EPW file; it can also be dropped on the window";
+    if ui.button("Weather file...").on_hover_text(tip).clicked() {
+        out.push(Command::WeatherDialog);
     }
 }
 
@@ -176,11 +188,12 @@ fn date(ui: &mut Ui, choice: &mut DaylightChoice) {
         ui.add_sized([30.0, HEIGHT], field).accessible_name("Day");
         let chosen = MONTHS[(month as usize - 1).min(11)];
         let months = ComboBox::from_id_salt("month").width(92.0).selected_text(chosen);
-        months.show_ui(ui, |ui| {
+        let shown = months.show_ui(ui, |ui| {
             for (name, number) in MONTHS.into_iter().zip(1..) {
                 ui.selectable_value(&mut month, number, name);
             }
         });
+        shown.response.accessible_name("Month");
         let field = DragValue::new(&mut year)
             .range(1600..=2999)
             .speed(0.1)
@@ -209,11 +222,25 @@ fn sun_by_hand(ui: &mut Ui, choice: &mut DaylightChoice) {
     });
 }
 
-fn sky(ui: &mut Ui, choice: &mut DaylightChoice) {
+fn sky(ui: &mut Ui, day: &Day, choice: &mut DaylightChoice) {
     if let Some(file) = choice.weather.clone() {
         row(ui, "Weather", |ui, _| {
-            ui.add(egui::Label::new(&file).truncate())
-                .on_hover_text("Place and sky of the hour from this file");
+            // Room for the button beside it.
+            ui.scope(|ui| {
+                ui.set_max_width(ui.available_width() - 62.0);
+                let name = file.rsplit(['/', '\\']).next().unwrap_or(&file);
+                ui.add(egui::Label::new(name).truncate())
+                    .on_hover_text(format!("Place and sky of the hour from {file}"));
+            });
+            let tip = "A clear sky over the same place instead";
+            if ui.button("Remove").on_hover_text(tip).accessible_name("Remove the weather file").clicked() {
+                if let Some(place) = day.outdoors.weather.as_ref().map(|file| file.place()) {
+                    (choice.latitude, choice.longitude) = (Some(place.latitude()), Some(place.longitude()));
+                    choice.zone = Some(place.zone());
+                }
+                choice.weather = None;
+                choice.sky = Some("clear".to_owned());
+            }
         });
         return;
     }
@@ -227,14 +254,15 @@ fn sky(ui: &mut Ui, choice: &mut DaylightChoice) {
     let word = choice.sky.clone().unwrap_or_else(|| "clear".to_owned()).trim().to_lowercase();
     let known = SKIES.into_iter().find(|sky| sky.0 == word);
     let mut chosen = word.clone();
-    row(ui, "Sky", |ui, _| {
+    row(ui, "Sky", |ui, label| {
         let shown = known.map_or(word.as_str(), |sky| sky.1);
         let skies = ComboBox::from_id_salt("sky").width(182.0).truncate().selected_text(shown);
-        skies.height(420.0).show_ui(ui, |ui| {
+        let shown = skies.height(420.0).show_ui(ui, |ui| {
             for (word, name) in SKIES {
                 ui.selectable_value(&mut chosen, word.to_owned(), name);
             }
         });
+        shown.response.labelled_by(label);
     });
     if chosen != word {
         choice.sky = Some(chosen);
@@ -248,13 +276,15 @@ fn place(ui: &mut Ui, choice: &mut DaylightChoice) {
     let near = |a: f64, b: f64| (a - b).abs() < 0.011;
     let city = CITIES.iter().find(|city| near(city.1, latitude) && near(city.2, longitude));
     let mut chosen = city.map(|city| city.0);
-    row(ui, "Place", |ui, _| {
+    row(ui, "Place", |ui, label| {
         let shown = chosen.unwrap_or("Elsewhere");
-        ComboBox::from_id_salt("place").width(182.0).selected_text(shown).show_ui(ui, |ui| {
+        let places = ComboBox::from_id_salt("place").width(182.0).selected_text(shown);
+        let shown = places.show_ui(ui, |ui| {
             for city in CITIES {
                 ui.selectable_value(&mut chosen, Some(city.0), city.0);
             }
         });
+        shown.response.labelled_by(label);
     });
     if chosen != city.map(|city| city.0)
         && let Some(city) = CITIES.iter().find(|city| Some(city.0) == chosen)
@@ -388,7 +418,7 @@ mod tests {
         let scene = crate::scene::from_text("floor", obj, "", None).unwrap();
         for (word, name) in SKIES {
             let choice = DaylightChoice { sky: Some(word.to_owned()), ..first_choice() };
-            assert!(scene.outdoors_for(&choice).is_ok(), "{name}");
+            assert!(scene.outdoors_for(&choice, None).is_ok(), "{name}");
         }
         for (city, latitude, longitude, zones) in CITIES {
             for zone in zones {

@@ -65,6 +65,9 @@ fn headline(ui: &mut egui::Ui, model: &Model<'_>, scene: &Scene, id: u32, patch:
     let radiosity = model.light.radiosity.get(index).copied().unwrap_or_default();
     theme::row(ui, "Illuminance", format!("{} lx", units::light(illuminance(irradiance.map(f64::from)))));
     theme::row(ui, "Luminance", format!("{} cd/m²", units::light(luminance(radiosity))));
+    if let Some(factor) = model.daylight_factors.and_then(|factors| factors.get(index)) {
+        theme::row(ui, "Daylight factor", format!("{} %", units::digits(f64::from(*factor))));
+    }
     let object = model.mesh.and_then(|m| m.regions.get(patch.region as usize)).map(|r| r.object as usize);
     let name = object.and_then(|o| scene.objects.get(o)).map_or("-", String::as_str);
     theme::row(ui, "Object", name);

@@ -196,7 +196,8 @@ fn view(ui: &mut egui::Ui, model: &Model<'_>, out: &mut Commands) {
     item(ui, out, "Light A beside now", "C", !model.light.radiosity.is_empty(), Command::ToggleSplit);
     ui.separator();
     let display = model.edits.display;
-    for quantity in [Quantity::Picture, Quantity::Illuminance, Quantity::Luminance] {
+    for quantity in [Quantity::Picture, Quantity::Illuminance, Quantity::Luminance, Quantity::DaylightFactor]
+    {
         let new = display.showing(quantity);
         let key = if quantity == Quantity::Illuminance { "L" } else { "" };
         choice(ui, out, quantity.name(), key, display.quantity == quantity, Command::SetDisplay(new));

@@ -93,6 +93,8 @@ pub(super) struct Model<'a> {
     pub(super) gains: [f32; 3],
     /// The numbers that false colours show, one a patch.
     pub(super) shown_values: &'a [f32],
+    /// The daylight factors of all patches, per cent, where they are known.
+    pub(super) daylight_factors: Option<&'a [f32]>,
     /// The lamp that stands alone.
     pub(super) solo: Option<usize>,
     /// Whether a state A is stored.
