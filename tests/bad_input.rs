@@ -171,6 +171,11 @@ fn doubtful_materials_are_repaired_and_named() {
         assert_eq!(warning(&scene, words).severity, Severity::Warning, "{kd}");
         assert_eq!(scene.materials[0].reflectance, expected, "{kd}");
     }
+    // Glass needs none.
+    let glass = white("Tf 0.9 0.9 0.9\nillum 6");
+    assert!(glass.materials[0].glazing.is_some());
+    let messages: Vec<&str> = glass.findings.iter().map(|finding| finding.message.as_str()).collect();
+    assert!(!messages.iter().any(|message| message.contains("without a Kd")), "{messages:?}");
     for (ke, words, lamps) in [
         ("Ke -5 5 5", "a Ke below 0 were raised to it: 'light'", 1),
         ("Ke -5 -5 -5", "a Ke below 0 were raised to it: 'light'", 0),

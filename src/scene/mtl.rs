@@ -186,7 +186,8 @@ impl Reader<'_> {
             if emits {
                 return [0.0; 3];
             }
-            if block.defined && block.image.is_none() {
+            // Glass reflects nothing evenly; the grey is what it has where glass is not simulated.
+            if block.defined && block.image.is_none() && block.passing.glazing().is_none() {
                 self.warn("materials without a Kd were taken as grey 0.5", format!("'{name}'"));
             }
             return [DEFAULT_REFLECTANCE; 3];

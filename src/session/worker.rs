@@ -14,7 +14,7 @@ use crate::transport::Transport;
 use crate::watch::Cancelled;
 use rayon::ThreadPool;
 use std::panic::{AssertUnwindSafe, catch_unwind};
-use std::sync::atomic::Ordering;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, PoisonError, Weak};
 use std::time::{Duration, Instant};
 
@@ -199,6 +199,8 @@ impl Worker<'_> {
             let begun =
                 passed_on.zip(self.element_light()).map(|(light, elements)| elements.with_passed_on(light));
             let standing = standing.or(begun);
+            // What another sky that is asked for meanwhile goes on from.
+            self.state.bases = standing.clone().map(Arc::new);
             let direct = self.element_light().map(|elements| Arc::clone(&elements.given));
             let lit = system.clone().with_direct(direct.as_ref());
             let mut known = std::mem::take(&mut self.state.rows);
@@ -206,15 +208,18 @@ impl Worker<'_> {
             let start = self
                 .with_run(|run| run.rows(&prepared, &lit, elements.as_deref(), standing, &mut known))
                 .inspect(|start| self.state.bases = Some(Arc::new(start.clone())));
-            let assembled = start.and_then(|_| self.with_run(|run| run.assemble(&prepared, &mut known)));
+            // Rows are used up by it, and another sky does not change them.
+            let assembled = start.and_then(|_| {
+                self.run_until(|shared| &shared.cancel_direct, |run| run.assemble(&prepared, &mut known))
+            });
             // What is left of them, where it was interrupted.
             self.state.rows = known;
             let transport = assembled?;
             self.state.transport = Some(transport.clone());
-            self.settle_elements(&prepared, &system)?;
             if let Some(solution) = self.snapshot.solution_mut() {
                 solution.transport = Some(transport);
             }
+            self.settle_elements(&prepared, &system)?;
             self.snapshot.unshot = None;
         }
         if todo.daylight && self.state.lamps_stand && self.element_light().is_some_and(|e| e.serves(&system))
@@ -429,9 +434,18 @@ impl Worker<'_> {
         if self.shared.cancel.load(Ordering::Acquire) { Err(Failure::Cancelled) } else { Ok(()) }
     }
 
-    /// Runs a part of the pipeline, publishing its progress and resting while paused.
+    /// Runs a part of the pipeline, publishing its progress and resting while paused. Any request ends it.
     pub(super) fn with_run<T, E: Into<Failure>>(
         &mut self,
+        part: impl FnOnce(&mut Run<'_>) -> Result<T, E>,
+    ) -> Result<T, Failure> {
+        self.run_until(|shared| &shared.cancel, part)
+    }
+
+    /// The same until this flag is set.
+    fn run_until<T, E: Into<Failure>>(
+        &mut self,
+        cancel: impl Fn(&Shared) -> &AtomicBool,
         part: impl FnOnce(&mut Run<'_>) -> Result<T, E>,
     ) -> Result<T, Failure> {
         let shared = self.shared.clone();
@@ -460,7 +474,7 @@ impl Worker<'_> {
                 stage => Control::Rested(self.rest_while_paused(stage)),
             }
         };
-        let mut run = Run::new(&mut observer, &shared.cancel, timings);
+        let mut run = Run::new(&mut observer, cancel(&shared), timings);
         let result = part(&mut run);
         let timings = run.timings;
         self.snapshot.timings = timings;

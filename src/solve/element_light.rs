@@ -280,9 +280,9 @@ impl ElementLight {
             direct: Arc::new(direct),
             bases,
             given: Arc::clone(&of_patches),
-            of_patches,
             scaling: vec![1.0; system.columns()].into(),
-            arriving: vec![0.0; system.columns()].into(),
+            arriving: arriving(&of_patches, system).into(),
+            of_patches,
             outdoors: (0..system.lamps as u32).filter(|&lamp| mesh.is_outdoors(lamp)).collect(),
             uneven: Arc::default(),
         }
@@ -383,6 +383,16 @@ fn exitances(scene: &Scene, bases: &[Basis]) -> Vec<f64> {
         luminance_weighted(std::array::from_fn(|band| full[band] * basis.weight[band]))
     };
     bases.iter().map(of).collect()
+}
+
+/// What of each column arrives at all patches, m².
+fn arriving(light: &LightBases, system: &System) -> Vec<f64> {
+    let columns = system.columns();
+    let of = |column: usize| {
+        let at = light.values.iter().skip(column).step_by(columns);
+        at.zip(&system.areas).map(|(&value, area)| area * f64::from(value)).sum()
+    };
+    (0..columns).map(of).collect()
 }
 
 /// The means over the patches of the light on their elements, per luminaire and band.

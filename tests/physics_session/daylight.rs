@@ -1,9 +1,9 @@
 //! Another hour over the same scene: what it leaves standing, and that its light is that of a scene read at that hour.
 
-use crate::watched::Watched;
+use crate::watched::{Held, Watched};
 use lumenwalk::scene::{DaylightChoice, Scene, SceneSource, load};
 use lumenwalk::session::Snapshot;
-use lumenwalk::solve::{Solution, SolveSettings};
+use lumenwalk::solve::{Solution, SolveSettings, Stage};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -121,6 +121,44 @@ fn another_hour_costs_no_row_and_no_mesh_and_has_the_light_of_a_scene_read_at_th
     let again = watched.session.latest().solved().expect("whole");
     let off = difference(&again, &whole);
     assert!(off < 1e-3, "{off}");
+}
+
+/// What surfaces that look down have of sky and sun, all of it reflected: a sum over patches.
+fn passed_on(solution: &Solution) -> f32 {
+    let bases = &solution.bases;
+    let columns = bases.lamps * bases.bands;
+    let looks_down = |i: &usize| solution.mesh.patches[*i].normal.y < -0.9;
+    let daylight = |i: usize| -> f32 {
+        // The lamp of the model comes first.
+        bases.values[i * columns..(i + 1) * columns].iter().skip(bases.bands).sum()
+    };
+    (0..bases.patches).filter(looks_down).map(daylight).sum()
+}
+
+#[test]
+fn another_hour_on_the_way_loses_neither_rows_nor_light() {
+    let fresh = fresh(&at("12:30"));
+    let (rows, whole) = (fresh.computer.rows_computed(), passed_on(&fresh));
+    for stage in [Stage::Rows, Stage::Balancing] {
+        let folder = tempfile::tempdir().expect("a folder");
+        let held = Held::coarse();
+        let model = SceneSource::File(room(folder.path(), Some(&morning())));
+        held.hold_at(stage, |session| session.open_with(model, settings()));
+        let scene = Arc::clone(read(&held.watched.session.latest()));
+        held.watched.session.set_daylight(&scene, Some(at("12:30")));
+        held.go_on();
+        let then = held.watched.until("the light of that hour", |snapshot| {
+            let sum = snapshot.solution.as_deref().map_or(0.0, passed_on);
+            assert!(sum > 0.6 * whole, "{stage:?}: {sum} of {whole} at {:?}", snapshot.stage);
+            let there = snapshot.scene().and_then(|scene| scene.outdoors.as_ref());
+            there.is_some_and(|outdoors| outdoors.choice == at("12:30")) && snapshot.solved().is_some()
+        });
+        let solution = then.solved().expect("whole");
+        let computed = solution.computer.rows_computed();
+        assert!(computed <= rows, "{stage:?}: {computed} rows for {rows}");
+        let off = difference(&solution, &fresh);
+        assert!(off < 0.02, "{stage:?}: {off}");
+    }
 }
 
 #[test]
