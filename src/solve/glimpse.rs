@@ -18,14 +18,16 @@ const BATCH: usize = 256;
 const RAYS: u32 = 64;
 const FEW_RAYS: u32 = 24;
 const MANY: usize = 30_000;
+/// With more values than this, patches times columns, it would take too much memory for what it is.
+const MOST_VALUES: usize = 20_000_000;
 /// How often surfaces pass light on.
 const BOUNCES: usize = 6;
 /// What the first picture by direct light alone and the coarse rows take of this.
 const DIRECT: f64 = 0.4;
 
 impl Run<'_> {
-    /// What surfaces pass on, about; of the whole solve `share` is done then. `None` where only patches shine: their rows
-    /// are there as soon.
+    /// What surfaces pass on, about; of the whole solve `share` is done then. `None` where only patches shine, whose rows
+    /// are there as soon, and in scenes too large for it.
     pub(super) fn glimpse(
         &mut self,
         prepared: &Prepared,
@@ -33,7 +35,8 @@ impl Run<'_> {
         share: f64,
     ) -> Result<Option<LightBases>, PipelineError> {
         let Prepared { mesh, plan, computer, .. } = prepared;
-        if mesh.photometric.is_empty() && mesh.outdoors.is_none() {
+        let is_of_patches = mesh.photometric.is_empty() && mesh.outdoors.is_none();
+        if is_of_patches || mesh.patches.len() * system.columns() > MOST_VALUES {
             return Ok(None);
         }
         let light = DirectLight::new(mesh, plan.is_on(Effect::Visibility));
