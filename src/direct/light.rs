@@ -94,6 +94,14 @@ fn along_for(rays: f64) -> u32 {
     rays.sqrt().round().max(1.0) as u32
 }
 
+/// The middle of some corners, one or more, and places towards some of them, halfway by area.
+fn few_places(corners: &[DVec3]) -> impl Iterator<Item = DVec3> {
+    let middle = corners.iter().sum::<DVec3>() / corners.len() as f64;
+    let step = corners.len().div_ceil(RIM_RAYS).max(1);
+    let rim = corners.iter().step_by(step).map(move |&corner| middle.lerp(corner, 0.7));
+    std::iter::once(middle).chain(rim)
+}
+
 impl Views {
     /// Of a small facet, which is looked at by rays and not divided.
     pub(super) fn sampled() -> Self {
@@ -215,10 +223,7 @@ impl DirectLight {
         if source.emitter.outline(point, &mut outline).is_none() {
             return false;
         }
-        let middle = outline.iter().sum::<DVec3>() / outline.len() as f64;
-        let step = outline.len().div_ceil(RIM_RAYS).max(1);
-        let rim = outline.iter().step_by(step).map(|&corner| middle.lerp(corner, 0.7));
-        std::iter::once(middle).chain(rim).any(|to| {
+        few_places(&outline).any(|to| {
             normal.dot(to) > 0.0
                 && self.passed_between(source, point, point + to).iter().any(|&passed| passed > 0.0)
         })
@@ -251,13 +256,9 @@ impl DirectLight {
         if !self.visibility {
             return [value; 3];
         }
-        let middle = relative.iter().sum::<DVec3>() / relative.len() as f64;
         let passed = |to: DVec3| self.passed_between(source, point, point + to);
-        // Halfway between those two by area.
-        let step = relative.len().div_ceil(RIM_RAYS).max(1);
-        let rim = relative.iter().step_by(step).map(|&corner| middle.lerp(corner, 0.7));
         let (mut sum, mut count) = ([0.0; 3], 0.0);
-        for to in std::iter::once(middle).chain(rim) {
+        for to in few_places(relative) {
             sum.iter_mut().zip(passed(to)).for_each(|(sum, passed)| *sum += passed);
             count += 1.0;
         }

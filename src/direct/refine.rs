@@ -127,12 +127,12 @@ impl Elements {
     }
 }
 
-/// Edges with an element on one side alone.
 /// Nearer than this to a plane nothing is hidden by it, metres.
 pub(super) fn inset(light: &DirectLight) -> f64 {
     3.0 * light.thickness()
 }
 
+/// Edges with an element on one side alone.
 fn borders(elements: &Elements) -> HashSet<(u32, u32)> {
     let mut once = HashSet::new();
     for key in elements.leaves().flat_map(|element| (0..3).map(|k| edge_key(element, k))) {

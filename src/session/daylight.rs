@@ -3,7 +3,6 @@
 use super::failure::Failure;
 use super::wanted::Wanted;
 use super::worker::Worker;
-use crate::mesh::PatchMesh;
 use crate::scene::{PlacedLamp, Scene};
 use crate::solve::{Prepared, Stage, patch_reflectance, system};
 use crate::solver::System;
@@ -36,11 +35,9 @@ impl Worker<'_> {
         let read = self.state.read.clone().ok_or(Failure::Cancelled)?;
         let Some(choice) = wanted.daylight_of(&read) else { return Ok(()) };
         // 1. Nothing of the state changes before all is there.
-        let scene = Arc::new(before.scene.with_daylight(Some(choice))?);
-        let outdoors = scene.outdoors.clone().map(Arc::new);
-        let mesh = Arc::new(PatchMesh { outdoors, ..PatchMesh::clone(&before.mesh) });
-        let prepared = Prepared { scene: Arc::clone(&scene), mesh: Arc::clone(&mesh), ..before };
-        let reflectance = patch_reflectance(&mesh, &|material| self.reflectance_of(material));
+        let prepared = before.under(choice)?;
+        let scene = Arc::clone(&prepared.scene);
+        let reflectance = patch_reflectance(&prepared.mesh, &|material| self.reflectance_of(material));
         let system = system(&prepared, &reflectance);
         let standing = self.element_light().filter(|light| light.serves(&system)).cloned();
         let lit = match &standing {

@@ -3,7 +3,6 @@
 use super::error::PipelineError;
 use super::pipeline::{Control, Prepared, Run, system};
 use super::solution::Solution;
-use crate::mesh::PatchMesh;
 use crate::scene::{Lighting, luminance_weighted};
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
@@ -57,19 +56,17 @@ fn under_reference(solved: &Solution, cancel: &AtomicBool) -> Result<Option<Solu
         return Ok(None);
     };
     // 1. The same mesh under the other sky.
-    let scene = Arc::new(solved.scene.with_daylight(Some(&outdoors.choice.reference()))?);
-    let outdoors = scene.outdoors.clone().map(Arc::new);
-    let mesh = Arc::new(PatchMesh { outdoors, ..PatchMesh::clone(&solved.mesh) });
     let prepared = Prepared {
-        scene: Arc::clone(&scene),
+        scene: Arc::clone(&solved.scene),
         survey: Arc::clone(&solved.survey),
-        mesh: Arc::clone(&mesh),
+        mesh: Arc::clone(&solved.mesh),
         plan: Arc::clone(&solved.plan),
         computer: Arc::clone(&solved.computer),
         direct: solved.settings.direct,
         transport: solved.settings.transport,
         timings: solved.timings,
-    };
+    }
+    .under(&outdoors.choice.reference())?;
     let reflectance: Vec<[f64; 3]> = solved.reflectance.iter().map(|rho| rho.map(f64::from)).collect();
     let system = system(&prepared, &reflectance);
     if !standing.serves(&system) || solved.bases.values.len() != system.patches() * system.columns() {
@@ -87,8 +84,8 @@ fn under_reference(solved: &Solution, cancel: &AtomicBool) -> Result<Option<Solu
     let (bases, sweeps) =
         run.sweeps_of(&prepared, transport.as_ref(), &system, start, solved.settings.tolerance)?;
     Ok(Some(Solution {
-        scene,
-        mesh,
+        scene: prepared.scene,
+        mesh: prepared.mesh,
         element_light: Some(Arc::new(lit)),
         bases: Arc::new(bases),
         sweeps,

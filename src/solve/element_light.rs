@@ -55,9 +55,10 @@ impl ElementLight {
         watch: &mut Watch<'_>,
     ) -> Result<Self, Cancelled> {
         let Prepared { mesh, plan, .. } = prepared;
-        let light = DirectLight::new(mesh, plan.is_on(Effect::Visibility)).with_mirrors(watch)?;
+        let light = DirectLight::new(mesh, plan.is_on(Effect::Visibility))
+            .with_mirrors(&mut watch.part(0.0, 0.02))?;
         let settings = settings(prepared, target, focus, &light);
-        let layout = Layout::build(mesh, &light, &settings, &mut watch.part(0.0, 0.85))?;
+        let layout = Layout::build(mesh, &light, &settings, &mut watch.part(0.02, 0.85))?;
         let elements = layout.lit(mesh, &light, &settings, &mut watch.part(0.85, 1.0))?;
         Ok(Self::new(target, (layout, elements), light, mesh, system))
     }

@@ -8,7 +8,7 @@ use super::store::RowStore;
 use crate::effects::{self, Effect, EffectChoices, EffectPlan};
 use crate::form_factors::{Method, ReceivingPoints, RowComputer, Sampling};
 use crate::mesh::{self, LightSearch, MeshSettings, PatchMesh, PatchTarget, Refinement, Survey};
-use crate::scene::Scene;
+use crate::scene::{DaylightChoice, Scene, SceneError};
 use crate::solver::{GaussSeidel, LightBases, SweepReport, System};
 use crate::transport::{DenseTransport, Transport, TransportKind, TreeTransport};
 use crate::watch::Watch;
@@ -222,6 +222,19 @@ pub struct Prepared {
     pub transport: TransportKind,
     /// Seconds so far.
     pub timings: Timings,
+}
+
+impl Prepared {
+    /// The same mesh under another sky, for a scene that has one: its geometry, rows and transport stay.
+    ///
+    /// # Errors
+    /// A sky that cannot be.
+    pub fn under(self, sky: &DaylightChoice) -> Result<Self, SceneError> {
+        let scene = Arc::new(self.scene.with_daylight(Some(sky))?);
+        let outdoors = scene.outdoors.clone().map(Arc::new);
+        let mesh = Arc::new(PatchMesh { outdoors, ..PatchMesh::clone(&self.mesh) });
+        Ok(Self { scene, mesh, ..self })
+    }
 }
 
 /// Cuts the scene into patches, decides the effects and readies the rows.

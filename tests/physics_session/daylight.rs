@@ -144,7 +144,11 @@ fn another_hour_on_the_way_loses_neither_rows_nor_light() {
         let held = Held::coarse();
         let model = SceneSource::File(room(folder.path(), Some(&morning())));
         held.hold_at(stage, |session| session.open_with(model, settings()));
-        let scene = Arc::clone(read(&held.watched.session.latest()));
+        let latest = held.watched.session.latest();
+        let scene = Arc::clone(read(&latest));
+        // By this the light of the next hour is guessed.
+        let light = latest.element_light().expect("direct light");
+        assert!(light.arriving.iter().all(|&arriving| arriving > 0.0), "{stage:?}: {:?}", light.arriving);
         held.watched.session.set_daylight(&scene, Some(at("12:30")));
         held.go_on();
         let then = held.watched.until("the light of that hour", |snapshot| {
