@@ -376,19 +376,16 @@ fn the_algebraic_error_is_what_further_sweeps_change() {
     }
     let mean = flux / area;
     let truth = (squares / area).sqrt() / mean;
-    let found = algebraic_error(
-        early.transport.as_deref().expect("whole"),
-        &light,
-        &early.reflectance,
-        &counts,
-        mean,
-    );
+    let error_of = |solved: &Solution, light: &PatchLight| {
+        let optics = (&solved.reflectance[..], &*solved.mesh.translucence);
+        algebraic_error(solved.transport.as_deref().expect("whole"), light, optics, &counts, mean)
+    };
+    let found = error_of(&early, &light);
     println!("true {truth:.3e}, found {found:?}");
     assert!(truth > 1e-6, "an early stop leaves something: {truth}");
     assert!((found.estimate.error / truth - 1.0).abs() < 0.15, "{truth} against {found:?}");
     assert!(found.bound >= truth);
-    let none =
-        algebraic_error(late.transport.as_deref().expect("whole"), &exact, &late.reflectance, &counts, mean);
+    let none = error_of(&late, &exact);
     assert!(none.estimate.error < 1e-5, "{none:?}");
 }
 

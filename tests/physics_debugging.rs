@@ -67,7 +67,7 @@ fn the_residual_is_what_another_sweep_would_add() {
     // Before any sweep nothing but the lamp shines: r = rho F E.
     let dark = LightBases { patches: n, lamps: system.lamps, bands: system.bands, values: Vec::new() };
     let start = dark.mix(&made.prepared.mesh, &made.lighting(), &reflectance);
-    let first = residual(made.transport.as_ref(), &reflectance, &start);
+    let first = residual(made.transport.as_ref(), (&reflectance, &system.translucence), &start);
     let mut checked = 0;
     for i in (0..n).step_by(7) {
         for band in 0..3 {
@@ -83,7 +83,7 @@ fn the_residual_is_what_another_sweep_would_add() {
     let size = |r: &[[f32; 3]]| r.iter().flatten().fold(0.0_f32, |m, &x| m.max(x.abs()));
     let (bases, _) = made.sweep(&system, 1e-5);
     let settled: PatchLight = bases.mix(&made.prepared.mesh, &made.lighting(), &reflectance);
-    let last = residual(made.transport.as_ref(), &reflectance, &settled);
+    let last = residual(made.transport.as_ref(), (&reflectance, &system.translucence), &settled);
     assert!(size(&first) > 0.5 && size(&last) < 1e-3, "{} then {}", size(&first), size(&last));
 }
 

@@ -1,6 +1,7 @@
 //! What further sweeps would still change.
 
 use super::Estimate;
+use crate::mesh::Translucence;
 use crate::scene::luminance_weighted;
 use crate::solver::{PatchLight, gathered};
 use crate::transport::Transport;
@@ -31,7 +32,7 @@ const TAIL: f64 = 0.05;
 pub fn algebraic_error(
     transport: &dyn Transport,
     light: &PatchLight,
-    reflectance: &[[f32; 3]],
+    (reflectance, translucence): (&[[f32; 3]], &Translucence),
     counts: &[bool],
     mean: f64,
 ) -> AlgebraicError {
@@ -39,16 +40,16 @@ pub fn algebraic_error(
     if n == 0 || light.irradiance.len() != n || light.radiosity.len() != n || mean <= 0.0 {
         return AlgebraicError::default();
     }
-    let rho = |i: usize, b: usize| reflectance.get(i).map_or(0.0, |r| f64::from(r[b]));
-    let mut term: Vec<[f64; 3]> = gathered(transport, reflectance, light)
+    let rho = |i: usize| reflectance.get(i).map_or([0.0; 3], |r| r.map(f64::from));
+    let share = |i: usize| translucence.leaving(i, rho(i), |_| [1.0; 3]);
+    let mut term: Vec<[f64; 3]> = gathered(transport, (reflectance, translucence), light)
         .iter()
         .zip(&light.irradiance)
         .map(|(after, before)| std::array::from_fn(|b| after[b] - f64::from(before[b])))
         .collect();
 
-    let contraction = (0..n)
-        .map(|i| transport.row_sum(i) * (0..3).map(|b| rho(i, b)).fold(0.0, f64::max))
-        .fold(0.0, f64::max);
+    let contraction =
+        (0..n).map(|i| transport.row_sum(i) * share(i).into_iter().fold(0.0, f64::max)).fold(0.0, f64::max);
     let largest = term.iter().flatten().map(|d| d.abs()).fold(0.0, f64::max);
     let bound = largest / (1.0 - contraction).max(1e-12) / mean;
 
@@ -64,8 +65,7 @@ pub fn algebraic_error(
     let mut last = rms(&term);
     let mut tail = 0.0;
     for _ in 0..MOST {
-        let source: Vec<[f64; 3]> =
-            term.iter().enumerate().map(|(i, d)| std::array::from_fn(|b| rho(i, b) * d[b])).collect();
+        let source: Vec<[f64; 3]> = (0..n).map(|i| translucence.leaving(i, rho(i), |j| term[j])).collect();
         term = transport.gather_bands(&source);
         for (s, d) in sum.iter_mut().zip(&term) {
             (0..3).for_each(|b| s[b] += d[b]);

@@ -245,9 +245,12 @@ impl<'a> Audit<'a> {
         let all: f64 = mesh.patches.iter().map(|p| p.area).sum();
         let mean_of =
             |f: &dyn Fn(usize) -> f64| (0..n).map(|i| mesh.patches[i].area * f(i)).sum::<f64>() / all;
-        let rho = mean_of(&|i| answer.reflectance.get(i).map_or(0.0, |&r| lum(r)));
+        let rho = mean_of(&|i| {
+            let rho = answer.reflectance.get(i).map_or([0.0; 3], |r| r.map(f64::from));
+            luminance_weighted(mesh.translucence.leaving(i, rho, |_| [1.0; 3]))
+        });
         let closed = mean_of(&|i| answer.transport.row_sum(i));
-        let gathered = gathered(answer.transport, answer.reflectance, answer.light);
+        let gathered = gathered(answer.transport, (answer.reflectance, &mesh.translucence), answer.light);
         let by_row: Vec<f64> = gathered.into_iter().map(luminance_weighted).collect();
         let passed_on =
             answer.light.detail.as_ref().map(|detail| {
@@ -274,7 +277,7 @@ impl<'a> Audit<'a> {
         let solver = algebraic_error(
             self.answer.transport,
             self.answer.light,
-            self.answer.reflectance,
+            (self.answer.reflectance, &self.answer.mesh.translucence),
             &self.counts,
             self.mean,
         );

@@ -102,6 +102,8 @@ pub struct Witness<'a> {
     /// Luminance of irradiance and of reflected radiosity as shown, a face and corner each.
     shown: Vec<[f32; 3]>,
     shown_reflected: Vec<[f32; 3]>,
+    /// Luminance of what each face passes on to its far side of what is shown there; empty where nothing passes light.
+    shown_passed: Vec<[f32; 3]>,
     elements: Option<Arc<Elements>>,
     /// Patches that shine, with their power.
     lamps: Vec<(u32, f64)>,
@@ -150,6 +152,7 @@ impl<'a> Witness<'a> {
         let emitted = |i: usize| luminance_weighted(at(exitance, i));
         let mut shown_lum = Vec::with_capacity(shown.faces.len());
         let mut shown_reflected = Vec::with_capacity(shown.faces.len());
+        let mut shown_passed = Vec::new();
         for (index, face) in shown.faces.iter().enumerate() {
             let patch = match &shown.elements {
                 Some(elements) => elements.elements[index].patch,
@@ -161,6 +164,13 @@ impl<'a> Witness<'a> {
                 let h = wide(h);
                 luminance_weighted(std::array::from_fn(|b| rho[b] * h[b])) as f32
             }));
+            if !mesh.translucence.is_empty() {
+                let tau = mesh.translucence.at(patch as usize).map_or([0.0; 3], |passing| passing.share);
+                shown_passed.push(face.map(|h| {
+                    let h = wide(h);
+                    luminance_weighted(std::array::from_fn(|b| tau[b] * h[b])) as f32
+                }));
+            }
         }
         let n = mesh.patches.len();
         // What glows for the picture alone lights nothing.
@@ -181,6 +191,7 @@ impl<'a> Witness<'a> {
             reflected: (0..n).map(|i| luminance_weighted(at(&light.radiosity, i)) - emitted(i)).collect(),
             shown: shown_lum,
             shown_reflected,
+            shown_passed,
             elements: shown.elements.clone(),
             lamps: (0..n)
                 .filter(|&i| sent(i) > 0.0)
@@ -227,13 +238,18 @@ impl<'a> Witness<'a> {
 
     /// Mean irradiance that the picture shows over a patch, W/m² of luminance; zero without triangles.
     pub fn shown_mean(&self, patch: u32) -> f64 {
+        self.shown_mean_of(&self.shown, patch)
+    }
+
+    /// The mean of corner values over a patch.
+    fn shown_mean_of(&self, values: &[[f32; 3]], patch: u32) -> f64 {
         let side = self.mesh.patches[patch as usize].side as usize;
         let mut before = 0.0;
         let mut sum = 0.0;
         for &(t, share) in self.triangles_of(patch) {
             let part = share - std::mem::replace(&mut before, share);
             self.faces_of(2 * t as usize + side, |face, own| {
-                sum += part * own * self.shown[face].iter().map(|&h| f64::from(h)).sum::<f64>() / 3.0;
+                sum += part * own * values[face].iter().map(|&h| f64::from(h)).sum::<f64>() / 3.0;
             });
         }
         sum
@@ -499,11 +515,23 @@ impl<'a> Witness<'a> {
         let weights = [1.0 - hit.u - hit.v, hit.u, hit.v];
         Some(Met {
             reflected: self.reflected[patch as usize],
-            shown: self.interpolated(&self.shown_reflected, 2 * hit.triangle as usize + back, weights),
+            shown: self.interpolated(&self.shown_reflected, 2 * hit.triangle as usize + back, weights)
+                + self.passed(hit.triangle, back, weights),
             exitance: self.exitance[patch as usize],
             cosine: front.dot(ray.direction).abs(),
             ..met
         })
+    }
+
+    /// What a place of a side of a triangle sends out of what is shown on its far side.
+    fn passed(&self, triangle: u32, side: usize, weights: [f64; 3]) -> f64 {
+        let patches = self.mesh.pieces[self.pieces[triangle as usize] as usize].patches;
+        let Some(passing) = self.mesh.translucence.at(patches[side] as usize) else { return 0.0 };
+        if patches[1 - side] != NO_PATCH {
+            return self.interpolated(&self.shown_passed, 2 * triangle as usize + 1 - side, weights);
+        }
+        let of = |&(far, share): &(u32, f64)| share * self.shown_mean_of(&self.shown_passed, far);
+        passing.behind.iter().map(of).sum()
     }
 
     /// Pi times the luminance of the radiance of sky or ground in a direction.

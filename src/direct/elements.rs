@@ -221,6 +221,25 @@ impl Elements {
         Some(self.locate(root, weights))
     }
 
+    /// Calls `found` with each undivided part of a side of a triangle of [`PatchMesh::triangles`], `2 * triangle + side`, and
+    /// the weights of the triangle's corners at each of its own.
+    pub fn each_leaf(&self, side: usize, mut found: impl FnMut(u32, [[f64; 3]; 3])) {
+        let Some(&root) = self.roots.get(side).filter(|&&root| root != NO_ELEMENT) else { return };
+        let mut stack = vec![(root, [DVec3::X, DVec3::Y, DVec3::Z])];
+        while let Some((at, weights)) = stack.pop() {
+            let element = &self.elements[at as usize];
+            if element.children == NO_ELEMENT {
+                found(at, weights.map(|weights| weights.to_array()));
+                continue;
+            }
+            let e = usize::from(element.edge);
+            let [a, b, c] = [e, (e + 1) % 3, (e + 2) % 3].map(|k| weights[k]);
+            let middle = 0.5 * (a + b);
+            stack.push((element.children, [c, a, middle]));
+            stack.push((element.children + 1, [b, c, middle]));
+        }
+    }
+
     /// Divides an element across an edge whose middle is the corner `middle`.
     pub(super) fn divide(&mut self, index: u32, edge: usize, middle: u32) {
         let children = self.elements.len() as u32;

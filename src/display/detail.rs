@@ -48,54 +48,46 @@ impl ElementCorners {
             ..Self::default()
         };
         let mut known: HashMap<(u32, u32), u32> = HashMap::new();
-        let mut stack: Vec<(u32, [DVec3; 3])> = Vec::new();
-        let mut roots = elements.roots.iter();
+        let mut triangle = 0;
         for piece in &mesh.pieces {
             let first = piece.corners.start as usize;
             for k in 1..piece.corners.len() - 1 {
                 for side in [Side::Front, Side::Back] {
-                    let Some(&index) = roots.next().filter(|&&root| root != NO_ELEMENT) else { continue };
+                    let index = elements.roots[2 * triangle + side as usize];
+                    if index == NO_ELEMENT {
+                        continue;
+                    }
                     let own = [first, first + k, first + k + 1];
                     let root = Root {
                         patch: piece.patches[side as usize],
                         vertices: own.map(|c| vertex_of_corner[2 * c + side as usize]),
                         uvs: own.map(|c| mesh.corners[c].uv),
                     };
-                    // Weights of the root's corners at those of each element.
-                    stack.push((index, [DVec3::X, DVec3::Y, DVec3::Z]));
-                    while let Some((at, weights)) = stack.pop() {
-                        let element = &elements.elements[at as usize];
-                        if element.children != NO_ELEMENT {
-                            let e = usize::from(element.edge);
-                            let [a, b, c] = [e, (e + 1) % 3, (e + 2) % 3].map(|k| weights[k]);
-                            let middle = 0.5 * (a + b);
-                            stack.push((element.children, [c, a, middle]));
-                            stack.push((element.children + 1, [b, c, middle]));
-                            continue;
-                        }
-                        for k in 0..3 {
-                            let corner = element.corners[k];
+                    elements.each_leaf(2 * triangle + side as usize, |leaf, weights| {
+                        for (k, weights) in weights.into_iter().enumerate() {
+                            let corner = elements.elements[leaf as usize].corners[k];
                             let next = all.corners.len() as u32;
                             let place = *known.entry((root.patch, corner)).or_insert(next);
-                            all.faces[at as usize][k] = place;
+                            all.faces[leaf as usize][k] = place;
                             if place == next {
-                                all.add(&root, elements, corner, weights[k], origin);
+                                all.add(&root, elements, corner, weights, origin);
                             }
                         }
-                    }
+                    });
                     for (c, corner) in own.into_iter().zip(elements.elements[index as usize].corners) {
                         all.places[2 * c + side as usize] =
                             known.get(&(root.patch, corner)).copied().unwrap_or(0);
                     }
                 }
+                triangle += 1;
             }
         }
         all
     }
 
-    fn add(&mut self, root: &Root, elements: &Elements, corner: u32, weights: DVec3, origin: DVec3) {
+    fn add(&mut self, root: &Root, elements: &Elements, corner: u32, weights: [f64; 3], origin: DVec3) {
         let from = &elements.corners[corner as usize];
-        let uv: DVec2 = root.uvs.iter().zip(weights.to_array()).map(|(&uv, weight)| uv * weight).sum();
+        let uv: DVec2 = root.uvs.iter().zip(weights).map(|(&uv, weight)| uv * weight).sum();
         self.corners.push(DisplayCorner {
             position: (from.position - origin).as_vec3(),
             normal: from.normal.as_vec3(),
@@ -104,7 +96,7 @@ impl ElementCorners {
         });
         // Whole values stay whole, wherever the vertex stands among the root's.
         let mut vertices = root.vertices;
-        let mut weights = weights.to_array().map(|w| w as f32);
+        let mut weights = weights.map(|w| w as f32);
         if let Some(whole) = weights.iter().position(|&w| w == 1.0) {
             vertices.swap(0, whole);
             weights.swap(0, whole);

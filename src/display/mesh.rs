@@ -1,8 +1,9 @@
+use super::behind;
 use super::detail::{Detail, ElementCorners};
 use super::vertices::{ShadingVertices, region_normal};
 use super::weights::{PARALLEL_FROM, VertexWeights};
 use crate::direct::Elements;
-use crate::mesh::{NO_PATCH, PatchMesh, Side};
+use crate::mesh::{NO_PATCH, PatchMesh, Side, Translucence};
 use crate::scene::Scene;
 use glam::{DVec3, Vec2, Vec3};
 use rayon::prelude::*;
@@ -110,7 +111,20 @@ pub struct DisplayMesh {
     /// One per lit corner.
     sources: Vec<Source>,
     textured: Vec<TexturedPatch>,
+    /// What patches pass from their far sides.
+    translucence: Arc<Translucence>,
+    /// Lit corners of translucent surfaces, in rising order, and the places on the far side that lie behind them.
+    behind: Vec<Behind>,
     patches: usize,
+}
+
+/// What lies on the far side of a lit corner.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Behind {
+    pub(super) corner: u32,
+    /// Lit corners there, and how much each counts.
+    pub(super) corners: [u32; 3],
+    pub(super) weights: [f32; 3],
 }
 
 impl DisplayMesh {
@@ -130,6 +144,7 @@ impl DisplayMesh {
             origin: bounds.centre(),
             size: bounds.diagonal(),
             patches: mesh.patches.len(),
+            translucence: Arc::clone(&mesh.translucence),
             ..Self::default()
         };
         built.find_textures(mesh, scene);
@@ -142,6 +157,9 @@ impl DisplayMesh {
             }
             None => built.add_corners(mesh, smooth, &of_corner),
         };
+        if !mesh.translucence.is_empty() {
+            built.behind = behind::find(mesh, &built, &places);
+        }
         built.add_triangles(mesh, &places);
         built.add_edges(mesh, &places);
         built.add_panes(mesh);
@@ -406,29 +424,69 @@ impl DisplayMesh {
         let Some(detail) = detail.filter(|detail| self.shows(detail, shading)) else {
             return self.corner_radiosity(radiosity, irradiance, shading);
         };
-        // 1. What a corner emits, and what its irradiance is multiplied with.
+        // 1. What a corner emits, what its irradiance is multiplied with, and what passes from behind it.
         let band = |values: &[[f32; 3]], patch: usize, b: usize| values.get(patch).map_or(0.0, |v| v[b]);
-        let mut factors: Vec<([f32; 3], [f32; 3])> = (0..self.patches)
+        let mut factors: Vec<[[f32; 3]; 3]> = (0..self.patches)
             .map(|patch| {
-                let rho = |b| band(detail.reflectance, patch, b);
-                let emitted = |b| (band(radiosity, patch, b) - rho(b) * band(irradiance, patch, b)).max(0.0);
-                (std::array::from_fn(emitted), std::array::from_fn(rho))
+                let rho = std::array::from_fn(|b| band(detail.reflectance, patch, b));
+                let arriving = |j: usize| irradiance.get(j).copied().unwrap_or_default().map(f64::from);
+                let sent = self.translucence.leaving(patch, rho.map(f64::from), arriving);
+                let emitted = |b| (band(radiosity, patch, b) - sent[b] as f32).max(0.0);
+                [std::array::from_fn(emitted), rho, [1.0; 3]]
             })
             .collect();
         for textured in &self.textured {
-            let (emitted, rho) = &mut factors[textured.patch as usize];
+            let [emitted, rho, passed] = &mut factors[textured.patch as usize];
             *emitted = [0.0; 3];
-            for (b, rho) in rho.iter_mut().enumerate() {
-                *rho = if textured.mean[b] > 1e-3 { *rho / textured.mean[b] } else { textured.factor[b] };
+            for (b, &mean) in textured.mean.iter().enumerate() {
+                let is_drawn = mean > 1e-3;
+                rho[b] = if is_drawn { rho[b] / mean } else { textured.factor[b] };
+                passed[b] = if is_drawn { 1.0 / mean } else { 0.0 };
             }
         }
         // 2. Both parts of the light at each corner.
         let mut values = self.detailed_irradiance(irradiance, Some(detail), shading);
+        let passed = self.passed(&values, irradiance);
         for (value, source) in values.iter_mut().zip(&self.sources) {
-            let (emitted, rho) = &factors[source.patch as usize];
+            let [emitted, rho, _] = &factors[source.patch as usize];
             *value = std::array::from_fn(|b| emitted[b] + rho[b] * value[b]);
         }
+        for (corner, passed) in passed {
+            let factor = factors[self.sources[corner as usize].patch as usize][2];
+            let value = &mut values[corner as usize];
+            (0..3).for_each(|b| value[b] += factor[b] * passed[b]);
+        }
         values
+    }
+
+    /// What leaves each lit corner of a translucent surface of what arrives on its far side, by what arrives at all
+    /// corners: that of the place behind it, or of the patch behind where there is no such place.
+    fn passed(&self, arriving: &[[f32; 3]], of_patches: &[[f32; 3]]) -> Vec<(u32, [f32; 3])> {
+        let far_of = |patch: usize| of_patches.get(patch).copied().unwrap_or_default().map(f64::from);
+        let mut behind = self.behind.iter().peekable();
+        let mut passed = Vec::new();
+        if self.translucence.is_empty() {
+            return passed;
+        }
+        for (corner, source) in (0_u32..).zip(&self.sources) {
+            let Some(passing) = self.translucence.at(source.patch as usize) else { continue };
+            while behind.peek().is_some_and(|b| b.corner < corner) {
+                behind.next();
+            }
+            let far = match behind.peek().filter(|b| b.corner == corner) {
+                Some(place) => {
+                    let mut sum = [0.0; 3];
+                    for (&at, weight) in place.corners.iter().zip(place.weights) {
+                        let there = arriving[at as usize];
+                        sum.iter_mut().zip(there).for_each(|(sum, h)| *sum += f64::from(weight * h));
+                    }
+                    sum
+                }
+                None => passing.far(far_of),
+            };
+            passed.push((corner, std::array::from_fn(|b| (passing.share[b] * far[b]) as f32)));
+        }
+        passed
     }
 
     /// The irradiance at the lit corners, as [`Self::detailed_radiosity`] shows it.

@@ -4,6 +4,7 @@
 //! stored radiosity.
 
 mod adaptation;
+mod behind;
 mod colour_map;
 mod detail;
 mod even_light;

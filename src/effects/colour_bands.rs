@@ -7,12 +7,12 @@ pub(super) fn find(mesh: &PatchMesh) -> Finding {
     let coloured = |c: &[f64; 3]| c[0] != c[1] || c[1] != c[2];
     let surfaces = mesh.patches.iter().filter(|p| coloured(&p.reflectance)).count();
     let lamps = mesh.patches.iter().filter(|p| coloured(&p.emission_weight)).count();
-    let tinted = mesh.panes.is_tinted();
+    let tinted = mesh.panes.is_tinted() || mesh.translucence.is_tinted();
     let called_for = surfaces + lamps > 0 || tinted;
     Finding {
         called_for,
         reason: if surfaces + lamps == 0 && tinted {
-            "tinted glass colours the light that passes it".to_owned()
+            "tinted glass or cloth colours the light that passes it".to_owned()
         } else if called_for {
             "colours of surfaces mix into the light that they reflect".to_owned()
         } else {

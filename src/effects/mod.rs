@@ -6,6 +6,7 @@ mod colour_bands;
 mod glass;
 mod smooth_surfaces;
 mod textures;
+mod translucency;
 mod two_sided;
 mod visibility;
 
@@ -28,17 +29,20 @@ pub enum Effect {
     SmoothSurfaces,
     /// Light that passes panes, by its angle; they are opaque otherwise.
     Glass,
+    /// Light that cloth, paper and opal glass pass diffusely; they are opaque otherwise.
+    Translucency,
 }
 
 impl Effect {
     /// All effects, in the order in which a plan lists them.
-    pub const ALL: [Self; 6] = [
+    pub const ALL: [Self; 7] = [
         Self::Visibility,
         Self::ColourBands,
         Self::TwoSided,
         Self::Textures,
         Self::SmoothSurfaces,
         Self::Glass,
+        Self::Translucency,
     ];
 
     /// The name that `--with` and `--without` take.
@@ -50,6 +54,7 @@ impl Effect {
             Self::Textures => "textures",
             Self::SmoothSurfaces => "smooth-surfaces",
             Self::Glass => "glass",
+            Self::Translucency => "translucency",
         }
     }
 }
@@ -121,6 +126,7 @@ pub fn plan(scene: &Scene, mesh: &PatchMesh, choices: &EffectChoices) -> EffectP
                 Effect::Textures => textures::find(scene, mesh),
                 Effect::SmoothSurfaces => smooth_surfaces::find(mesh),
                 Effect::Glass => glass::find(scene, mesh),
+                Effect::Translucency => translucency::find(scene, mesh),
             };
             finding.decide(effect, choices)
         })

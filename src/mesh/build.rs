@@ -9,6 +9,7 @@ use super::refinement::Refinement;
 use super::regions::Outline;
 use super::sizing::{self, Finer};
 use super::survey::Survey;
+use super::translucence::Translucence;
 use super::types::{MeshStatistics, NO_PATCH, Patch, PatchMesh, Side};
 use crate::geometry::polygon;
 use crate::scene::{Scene, grouped};
@@ -42,6 +43,8 @@ pub struct MeshSettings {
     pub textures: bool,
     /// Whether light passes glass (see [`crate::effects::Effect::Glass`]); it is opaque otherwise.
     pub glass: bool,
+    /// Whether light passes cloth, paper and the like (see [`crate::effects::Effect::Translucency`]).
+    pub translucency: bool,
     /// Where patches are to be smaller than elsewhere.
     pub refinement: Option<Arc<Refinement>>,
 }
@@ -65,6 +68,7 @@ impl Default for MeshSettings {
             backs: Backs::Reached,
             textures: true,
             glass: true,
+            translucency: true,
             refinement: None,
         }
     }
@@ -240,6 +244,9 @@ pub fn build_on(
                 None => {}
             }
         }
+    }
+    if settings.translucency {
+        mesh.translucence = Arc::new(Translucence::find(&mesh, scene, sheets));
     }
     mesh.blockers = blockers(outlines, size);
     mesh.statistics = statistics(&mesh, scene, &sides, *dropped, (patch_size, asked));

@@ -236,7 +236,7 @@ fn append_patch(
         normal,
         area,
         reflectance: std::array::from_fn(|b| {
-            (material.reflectance[b] * average[b]).clamp(0.0, MAX_REFLECTANCE)
+            (material.reflectance[b] * average[b]).clamp(0.0, MAX_REFLECTANCE - material.translucence[b])
         }),
         texture_average: average,
         emission_weight: [0.0; 3],

@@ -1,7 +1,7 @@
 //! Which patches of two meshes of one scene lie in the same place.
 
-use super::{NO_PATCH, Patch, PatchMesh, Region};
-use glam::DVec2;
+use super::{NO_PATCH, Patch, PatchMesh, Region, Side};
+use glam::{DVec2, DVec3};
 
 impl PatchMesh {
     /// For every patch the one of `other` on which its centre lies, on the same side of the same region;
@@ -22,12 +22,8 @@ impl PatchMesh {
     fn patch_under(&self, patch: &Patch) -> u32 {
         let region = &self.regions[patch.region as usize];
         let at = region.frame.local(patch.centre - region.origin).truncate();
-        let most = DVec2::new(f64::from(region.cells[0] - 1), f64::from(region.cells[1] - 1));
-        let cell = ((at - region.grid_min) / region.cell_size).floor().clamp(DVec2::ZERO, most);
-        let cell = region.first_cell as usize + cell.x as usize + cell.y as usize * region.cells[0] as usize;
-        let list = self.cell_pieces[cell].clone();
-        let here = self.piece_lists[list.start as usize..list.end as usize].iter().copied();
-        let found = here
+        let found = self
+            .pieces_around(region, at)
             .map(|piece| (self.depth(piece, at), self.pieces[piece as usize].patches[patch.side as usize]))
             .filter(|&(depth, own)| own != NO_PATCH && depth > -1e-6 * region.cell_size.max_element())
             .max_by(|a, b| a.0.total_cmp(&b.0));
@@ -39,6 +35,24 @@ impl PatchMesh {
         let distance = |own: &u32| self.patches[*own as usize].centre.distance_squared(patch.centre);
         let nearest = others.filter(|&own| own != NO_PATCH);
         nearest.min_by(|a, b| distance(a).total_cmp(&distance(b))).unwrap_or(NO_PATCH)
+    }
+
+    /// The patch on a side of a region on which a point of its plane lies.
+    pub(super) fn patch_at(&self, region: u32, side: Side, at: DVec3) -> Option<u32> {
+        let region = &self.regions[region as usize];
+        let at = region.frame.local(at - region.origin).truncate();
+        let slack = 1e-6 * region.cell_size.max_element();
+        let here = self.pieces_around(region, at).filter(|&piece| self.depth(piece, at) > -slack);
+        here.map(|piece| self.pieces[piece as usize].patches[side as usize]).find(|&patch| patch != NO_PATCH)
+    }
+
+    /// The pieces of a region that overlap the cell around a point of its plane.
+    fn pieces_around(&self, region: &Region, at: DVec2) -> impl Iterator<Item = u32> {
+        let most = DVec2::new(f64::from(region.cells[0] - 1), f64::from(region.cells[1] - 1));
+        let cell = ((at - region.grid_min) / region.cell_size).floor().clamp(DVec2::ZERO, most);
+        let cell = region.first_cell as usize + cell.x as usize + cell.y as usize * region.cells[0] as usize;
+        let list = self.cell_pieces[cell].clone();
+        self.piece_lists[list.start as usize..list.end as usize].iter().copied()
     }
 
     /// How far inside the convex outline of a piece a point of its plane lies; negative outside.

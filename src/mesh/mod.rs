@@ -27,6 +27,7 @@ mod sizing;
 mod sources;
 mod stretches;
 mod survey;
+mod translucence;
 mod types;
 
 pub use backing::Backing;
@@ -41,4 +42,5 @@ pub(crate) use reach::cosine_direction;
 pub use refinement::Refinement;
 pub use stretches::stretches;
 pub use survey::Survey;
+pub use translucence::{Passing, Translucence};
 pub use types::{MeshStatistics, NO_PATCH, Patch, PatchMesh, Piece, PieceCorner, Region, Side};

@@ -166,7 +166,7 @@ pub(super) fn append(
         normal: outline.frame.normal * side.sign(),
         area,
         reflectance: std::array::from_fn(|b| {
-            (material.reflectance[b] * average[b]).clamp(0.0, MAX_REFLECTANCE)
+            (material.reflectance[b] * average[b]).clamp(0.0, MAX_REFLECTANCE - material.translucence[b])
         }),
         texture_average: average,
         emission_weight: if emits { outline.emission_weight } else { [0.0; 3] },

@@ -197,13 +197,16 @@ impl<'a> Search<'a> {
             let Some(hit) = self.sheets.nearest(&Ray { origin, direction }) else { break };
             let side = self.side_met(hit.triangle, direction);
             point = origin + direction * hit.distance;
-            if !met.iter().any(|m| m.0 == side) {
-                met.push((side, point));
+            let both = [side, side ^ 1];
+            for side in both.into_iter().take(if self.is_translucent(side) { 2 } else { 1 }) {
+                if !met.iter().any(|m| m.0 == side) {
+                    met.push((side, point));
+                }
             }
             if self.is_black(side) {
                 break;
             }
-            frame = self.frame(side);
+            frame = self.frame(self.onward(side, key));
         }
         met
     }
@@ -237,6 +240,16 @@ impl<'a> Search<'a> {
     fn is_black(&self, side: usize) -> bool {
         let outline = &self.outlines[side / 2];
         side % 2 == 1 && self.scene.materials[outline.material as usize].sides == Sides::Front
+    }
+
+    /// Whether light passes a side (2 x region + side) diffusely.
+    fn is_translucent(&self, side: usize) -> bool {
+        self.scene.materials[self.outlines[side / 2].material as usize].is_translucent()
+    }
+
+    /// The side (2 x region + side) from which a path goes on that meets one: of what passes light, as often the other.
+    fn onward(&self, side: usize, key: u64) -> usize {
+        if self.is_translucent(side) && unit(key, 5) < 0.5 { side ^ 1 } else { side }
     }
 
     /// The frame of a side (2 x region + side), which turns with it.
@@ -306,7 +319,10 @@ impl<'a> Search<'a> {
         let starts: Vec<DVec3> = starts.into_iter().map(|p| outline.world(p)).collect();
         let seed = 2 * index as u64 + side as u64;
         let (paths, enough) = how.paths();
-        match self.is_lit(&starts, self.frame(2 * index + side as usize), seed, paths, enough) {
+        let place = 2 * index + side as usize;
+        let is_lit = |place: usize| self.is_lit(&starts, self.frame(place), seed, paths, enough);
+        // What passes light takes part where its other side is lit.
+        match is_lit(place) || self.is_translucent(place) && is_lit(place ^ 1) {
             false => Reach::Dark,
             true if sides == Sides::Front => Reach::Black,
             true => Reach::Lit,
@@ -327,13 +343,15 @@ impl<'a> Search<'a> {
         watch: &mut Watch<'_>,
     ) -> Result<Vec<Option<Buried>>, Cancelled> {
         watch.map(patches, |index, patch| {
-            // Each facet of a cluster has its own plane, and its side is lit as a whole or not at all.
-            if patch.is_cluster {
+            // Each facet of a cluster has its own plane, and its side is lit as a whole or not at all; what passes light
+            // may have it from its other side.
+            let place = 2 * patch.region as usize + patch.side as usize;
+            if patch.is_cluster || self.is_translucent(place) {
                 return None;
             }
             let by_reach = self.scene.materials[patch.material as usize].sides != Sides::Both;
             let seed = (1 << 40) + 64 * index as u64;
-            let frame = self.frame(2 * patch.region as usize + patch.side as usize);
+            let frame = self.frame(place);
             if patch.luminaire.is_some() {
                 let covered = |point: &DVec3| self.looks_into_dark(reached, *point, frame);
                 if !covered(&patch.centre) {
@@ -442,7 +460,7 @@ impl<'a> Search<'a> {
                 return self.sources.has_sky;
             };
             point += direction * hit.distance;
-            frame = self.frame(self.side_met(hit.triangle, direction));
+            frame = self.frame(self.onward(self.side_met(hit.triangle, direction), key));
         }
         false
     }

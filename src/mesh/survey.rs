@@ -46,6 +46,7 @@ pub struct Survey {
     as_given: bool,
     backs: Backs,
     glass: bool,
+    translucency: bool,
 }
 
 impl std::fmt::Debug for Survey {
@@ -95,9 +96,21 @@ impl Survey {
                 reached[Side::Back as usize] = Reach::Backed;
             }
         }
-        let MeshSettings { backs, glass, .. } = *settings;
+        let MeshSettings { backs, glass, translucency, .. } = *settings;
         let panes = Arc::new(panes);
-        Ok(Self { outlines, dropped, panes, sheets, sources, reached, size, as_given, backs, glass })
+        Ok(Self {
+            outlines,
+            dropped,
+            panes,
+            sheets,
+            sources,
+            reached,
+            size,
+            as_given,
+            backs,
+            glass,
+            translucency,
+        })
     }
 
     /// Whether a mesh of the same scene with these settings rests on this.
@@ -105,6 +118,7 @@ impl Survey {
         self.as_given == (settings.target == PatchTarget::AsGiven)
             && self.backs == settings.backs
             && self.glass == settings.glass
+            && self.translucency == settings.translucency
     }
 
     /// For each outline whether its front and its back are active.

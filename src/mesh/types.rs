@@ -2,6 +2,7 @@ use super::backing::Backing;
 use super::clusters::Clusters;
 use super::convex_parts::ConvexParts;
 use super::panes::Panes;
+use super::translucence::Translucence;
 use crate::geometry::{Aabb, Frame};
 use crate::scene::{Outdoors, PhotometricSource, grouped};
 use glam::{DVec2, DVec3};
@@ -167,6 +168,8 @@ pub struct PatchMesh {
     pub photometric: Vec<PhotometricSource>,
     /// Surfaces of glass, which are no regions.
     pub panes: Arc<Panes>,
+    /// Which patches pass light diffusely from one side to the other.
+    pub translucence: Arc<Translucence>,
     /// The sky over the scene and the sun in it, where there is daylight.
     pub outdoors: Option<Arc<Outdoors>>,
     /// The middle of the main part of the scene, metres.

@@ -107,6 +107,11 @@ pub(super) struct Asked {
 const MOST_PANES: u32 = 6;
 
 impl Asked {
+    /// Whether it asks for glass.
+    pub(super) fn is_glass(self) -> bool {
+        self.transmittance.is_some() || self.panes.is_some() || self.glass == Some(true)
+    }
+
     /// Makes a material the glass that is asked for.
     ///
     /// # Errors

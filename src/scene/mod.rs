@@ -48,6 +48,7 @@ mod summary;
 mod tally;
 mod text;
 mod textures;
+mod translucent;
 mod types;
 mod up_axis;
 mod views;

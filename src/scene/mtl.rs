@@ -158,6 +158,7 @@ impl Reader<'_> {
             texture,
             sides: Sides::Auto,
             glazing,
+            translucence: [0.0; 3],
         });
     }
 

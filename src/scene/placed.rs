@@ -241,6 +241,7 @@ impl Scene {
             texture: None,
             sides: Sides::Front,
             glazing: None,
+            translucence: [0.0; 3],
         });
         for lamp in &lamps {
             let middles = if lamp.faces() > 0 { lamp.middles(self.up) } else { Vec::new() };

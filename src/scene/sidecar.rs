@@ -10,6 +10,7 @@ use super::outdoors::DaylightChoice;
 use super::photometric::Attitude;
 use super::selection::{material_names, meant};
 use super::text::folded;
+use super::translucent;
 use super::types::{LengthUnit, MAX_REFLECTANCE, Material, Sides, UpAxis, View};
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
@@ -165,6 +166,9 @@ pub(super) struct MaterialEntry {
     /// Whether it is glass: `false` makes opaque what the MTL has as glass.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub(super) glass: Option<bool>,
+    /// What passes diffusely from one side to the other: of cloth, paper, opal glass.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub(super) translucence: Option<SharesKey>,
 }
 
 /// A share of light, in all bands or in each.
@@ -346,10 +350,21 @@ impl Sidecar {
             if let Some(sides) = entry.sides {
                 material.sides = sides.into();
             }
+            let (at, short) = (entry.name.span().start, names::short(name));
+            let fault = |fault: String| source.error_at(at, format!("'{short}' {fault}"));
             let asked = Asked { transmittance: entry.transmittance, panes: entry.panes, glass: entry.glass };
-            asked.apply(material).map_err(|fault| {
-                source.error_at(entry.name.span().start, format!("'{}' {fault}", names::short(name)))
-            })?;
+            if let Some(translucence) = entry.translucence {
+                if asked.is_glass() {
+                    let message = "is glass (transmittance, panes or glass), which takes no translucence";
+                    return Err(fault(message.to_owned()));
+                }
+                let lowered = translucent::apply(translucence.bands(), material).map_err(fault)?;
+                if let Some(change) = lowered {
+                    let message = format!("material '{short}' {change} ({})", source.file);
+                    findings.push(Finding::new(FindingKind::Material, Severity::Warning, message));
+                }
+            }
+            asked.apply(material).map_err(fault)?;
         }
         Ok(())
     }

@@ -110,6 +110,7 @@ pub fn sidecar_text(
             transmittance: None,
             panes: None,
             glass: None,
+            translucence: None,
         });
     }
     composed(&sidecar, existing, &file)

@@ -251,6 +251,15 @@ pub struct Material {
     pub sides: Sides,
     /// Where it is clear or tinted glass: light passes its surfaces, and none of their sides reflects by its paint.
     pub glazing: Option<Glazing>,
+    /// What passes diffusely from one side to the other, per band: with the reflectance at most [`MAX_REFLECTANCE`].
+    pub translucence: [f64; 3],
+}
+
+impl Material {
+    /// Whether light passes it diffusely.
+    pub fn is_translucent(&self) -> bool {
+        self.translucence != [0.0; 3]
+    }
 }
 
 /// Which sides of a surface take part.

@@ -16,6 +16,7 @@ const PROBES: usize = 12;
 /// - visibility: the rows' time, less the share of it that closed forms alone take, from a few rows;
 /// - colour bands: the sweeps' time, less that of the passes over the rows that one band needs;
 /// - two-sided surfaces: the share of backs in the time of rows and sweeps;
+/// - translucency: the share of the patches that pass light in the time of sweeps;
 /// - glass: the rows' time, less the share of it that they take without panes, from a few rows.
 ///
 /// Textures and smooth surfaces take nothing from a solve: one is read while meshing, one at display.
@@ -52,6 +53,7 @@ fn costs(
                         drop(without_glass.row(patch, scratch));
                     })
             }
+            Effect::Translucency => timings.sweeps * mesh.translucence.len() as f64 / patches as f64,
             Effect::Textures | Effect::SmoothSurfaces => 0.0,
         };
         if let Some(decision) = measured.decisions.iter_mut().find(|d| d.effect == effect) {

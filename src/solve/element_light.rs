@@ -229,7 +229,8 @@ impl ElementLight {
                 .map(|i| {
                     std::array::from_fn(|lane| match first + lane {
                         column if column < columns => {
-                            system.rho(i, column) * f64::from(self.of_patches.values[i * columns + column])
+                            let light = &self.of_patches.values;
+                            system.leaving(i, column, |j| f64::from(light[j * columns + column]))
                         }
                         _ => 0.0,
                     })

@@ -92,6 +92,12 @@ impl Run<'_> {
                     for (c, (own, &light)) in own.iter_mut().zip(there).enumerate() {
                         *own += f * system.rho(j as usize, c) as f32 * light;
                     }
+                    if !system.translucence.is_empty() {
+                        for (c, own) in own.iter_mut().enumerate() {
+                            let arriving = |far: usize| f64::from(all.values[far * columns + c]);
+                            *own += f * system.passed(j as usize, c, arriving) as f32;
+                        }
+                    }
                 }
             });
             let both = direct.iter().zip(&passed_on);

@@ -7,8 +7,8 @@ use super::solution::Solution;
 use super::store::RowStore;
 use crate::effects::{self, Effect, EffectChoices, EffectPlan};
 use crate::form_factors::{Method, ReceivingPoints, RowComputer, Sampling};
-use crate::mesh::{self, LightSearch, MeshSettings, PatchMesh, PatchTarget, Refinement, Survey};
-use crate::scene::{DaylightChoice, Scene, SceneError};
+use crate::mesh::{self, LightSearch, MeshSettings, Patch, PatchMesh, PatchTarget, Refinement, Survey};
+use crate::scene::{DaylightChoice, MAX_REFLECTANCE, Scene, SceneError};
 use crate::solver::{GaussSeidel, LightBases, SweepReport, System};
 use crate::transport::{DenseTransport, Transport, TransportKind, TreeTransport};
 use crate::watch::Watch;
@@ -260,6 +260,7 @@ pub(super) fn prepare_watched(
         backs: effects::backs(&settings.effects),
         textures: !settings.effects.without.contains(&Effect::Textures),
         glass: !settings.effects.without.contains(&Effect::Glass),
+        translucency: !settings.effects.without.contains(&Effect::Translucency),
         refinement: settings.refinement.clone(),
     };
     let (survey, mut cutting) = match survey.filter(|survey| survey.serves(&mesh_settings)) {
@@ -286,15 +287,14 @@ pub(super) fn prepare_watched(
 
 /// Reflectance of every patch with some materials changed: `material(index)` gives the new one.
 pub fn patch_reflectance(mesh: &PatchMesh, material: &dyn Fn(u32) -> Option<[f64; 3]>) -> Vec<[f64; 3]> {
-    mesh.patches
-        .iter()
-        .map(|p| match material(p.material) {
-            Some(rho) => std::array::from_fn(|b| {
-                (rho[b] * p.texture_average[b]).clamp(0.0, crate::scene::MAX_REFLECTANCE)
-            }),
-            None => p.reflectance,
-        })
-        .collect()
+    let most = |patch: usize, band: usize| {
+        MAX_REFLECTANCE - mesh.translucence.at(patch).map_or(0.0, |passing| passing.share[band])
+    };
+    let of = |(index, p): (usize, &Patch)| match material(p.material) {
+        Some(rho) => std::array::from_fn(|b| (rho[b] * p.texture_average[b]).clamp(0.0, most(index, b))),
+        None => p.reflectance,
+    };
+    mesh.patches.iter().enumerate().map(of).collect()
 }
 
 /// Runs the parts of a solve and tells an observer how it goes.

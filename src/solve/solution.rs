@@ -103,7 +103,9 @@ impl Solution {
             let b = f64::from(light.radiosity[patch][band]);
             match direct {
                 Some(_) if self.mesh.patches[patch].luminaire.is_some() => {
-                    f64::from(self.reflectance[patch][band]) * f64::from(light.irradiance[patch][band])
+                    let arriving = |j: usize| light.irradiance[j].map(f64::from);
+                    self.mesh.translucence.leaving(patch, self.reflectance[patch].map(f64::from), arriving)
+                        [band]
                 }
                 _ => b,
             }

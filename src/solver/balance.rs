@@ -303,6 +303,18 @@ impl PowerBalance {
                         }
                         row[own] += system.areas[i];
                     }
+                    // What arrives on the far side is sent out here: its row in this one's place.
+                    for &(far, share) in system.translucence.at(i).iter().flat_map(|p| &p.behind) {
+                        seen.fill(0.0);
+                        add_row(far as usize, &mut seen);
+                        seen[aggregates.of_patch[far as usize] as usize] += transport.own(far as usize);
+                        let share = share * system.areas[i] / system.areas[far as usize];
+                        for (band, sum) in sums.iter_mut().enumerate() {
+                            let tau = system.translucence.at(i).map_or(0.0, |p| p.share[band]);
+                            let row = &mut sum[own * k..(own + 1) * k];
+                            row.iter_mut().zip(&seen).for_each(|(entry, &s)| *entry -= tau * share * s);
+                        }
+                    }
                 }
                 Ok(sums)
             })

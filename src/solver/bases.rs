@@ -69,6 +69,14 @@ impl LightBases {
             let rho = reflectance.get(index).copied().unwrap_or_default();
             light.radiosity.push(std::array::from_fn(|b| emission[b] + rho[b] * irradiance[b]));
         }
+        for (index, radiosity) in light.radiosity.iter_mut().enumerate() {
+            if let Some(passing) = mesh.translucence.at(index) {
+                let far = passing.far(|j| light.irradiance[j].map(f64::from));
+                for band in 0..3 {
+                    radiosity[band] += (passing.share[band] * far[band]) as f32;
+                }
+            }
+        }
         light
     }
 
@@ -149,21 +157,23 @@ impl PatchLight {
         Some(Self { irradiance, radiosity, detail: None })
     }
 
-    /// The power of this light under `lighting`: with E = B - rho H the lamps emit the sum of A E and the surfaces
-    /// absorb that of A (1 - rho) H. Lamps that shine by their photometry emit their flux, the sky and the sun what of
+    /// The power of this light under `lighting`: with R what surfaces send out of what arrives, rho H for most, the lamps
+    /// emit the sum of A (B - R) and the surfaces absorb that of A (H - R). Lamps that shine by their photometry emit their flux, the sky and the sun what of
     /// them arrives.
     pub fn power(&self, mesh: &PatchMesh, reflectance: &[[f32; 3]], lighting: &Lighting) -> Power {
         let lit = self.irradiance.iter().zip(&self.radiosity).zip(reflectance);
         let outdoors = self.detail.as_ref().map_or(0.0, |detail| detail.outdoors);
         let mut power = Power { emitted: photometric_power(mesh, lighting) + outdoors, absorbed: 0.0 };
-        for (patch, ((h, b), rho)) in mesh.patches.iter().zip(lit) {
+        let arriving = |j: usize| self.irradiance.get(j).copied().unwrap_or_default().map(f64::from);
+        for (index, (patch, ((h, b), rho))) in mesh.patches.iter().zip(lit).enumerate() {
             let is_photometric = patch.luminaire.is_some_and(|lamp| mesh.is_photometric(lamp));
+            let sent = mesh.translucence.leaving(index, rho.map(f64::from), arriving);
             for band in 0..3 {
-                let [h, b, rho] = [h[band], b[band], rho[band]].map(f64::from);
+                let [h, b] = [h[band], b[band]].map(f64::from);
                 if !is_photometric {
-                    power.emitted += patch.area * (b - rho * h);
+                    power.emitted += patch.area * (b - sent[band]);
                 }
-                power.absorbed += patch.area * (1.0 - rho) * h;
+                power.absorbed += patch.area * (h - sent[band]);
             }
         }
         power

@@ -96,6 +96,7 @@ impl GaussSeidel {
         let groups = columns
             .chunks(LANES)
             .map(|columns| {
+                let stride = system.columns();
                 let of = |light: &LightBases, i: usize| {
                     let mut lanes = [0.0; LANES];
                     for (lane, &c) in lanes.iter_mut().zip(columns) {
@@ -105,8 +106,10 @@ impl GaussSeidel {
                 };
                 let radiosity = (0..n)
                     .map(|i| {
-                        let mut b = of(start, i);
-                        b.iter_mut().zip(columns).for_each(|(b, &c)| *b *= system.rho(i, c));
+                        let mut b = [0.0; LANES];
+                        for (b, &c) in b.iter_mut().zip(columns) {
+                            *b = system.leaving(i, c, |j| f64::from(start.values[j * stride + c]));
+                        }
                         b
                     })
                     .collect();
@@ -124,9 +127,7 @@ impl GaussSeidel {
         let aggregates = Aggregates::new(mesh, transport, cancelled)?;
         let balance = PowerBalance::new(transport, system, &aggregates, cancelled)?;
         let row_sums: Vec<f64> = (0..n).into_par_iter().map(|i| transport.row_sum(i)).collect();
-        let spectral_bound = (0..n)
-            .map(|i| row_sums[i] * system.reflectance[i][..system.bands].iter().copied().fold(0.0, f64::max))
-            .fold(0.0, f64::max);
+        let spectral_bound = (0..n).map(|i| row_sums[i] * system.greatest_share(i)).fold(0.0, f64::max);
         let kept = if columns.len() < system.columns() { start.clone() } else { LightBases::default() };
         let mut solver = Self {
             groups,
@@ -204,9 +205,10 @@ impl GaussSeidel {
                 for i in 0..system.patches() {
                     let power = system.areas[i] * output * copies;
                     let emitted = system.exitance(i, column);
-                    let arriving = group.direct[i][lane] + group.irradiance[i][lane];
+                    let arriving = |i: usize| group.direct[i][lane] + group.irradiance[i][lane];
                     report.emitted += power * emitted;
-                    report.absorbed += power * (1.0 - system.rho(i, column)) * arriving;
+                    let passed = system.passed(i, column, arriving);
+                    report.absorbed += power * ((1.0 - system.rho(i, column)) * arriving(i) - passed);
                     let leaving = emitted + group.radiosity[i][lane];
                     report.escaped += power * (1.0 - self.row_sums[i]) * leaving;
                 }
@@ -249,7 +251,7 @@ impl Group {
             balance.correct(column % system.bands, &mut power);
             for (i, b) in self.radiosity.iter_mut().enumerate() {
                 // A black patch reflects nothing; the correction is for what is reflected.
-                if system.rho(i, column) > 0.0 && transport.sees(i) {
+                if system.greatest_share(i) > 0.0 && transport.sees(i) {
                     b[lane] = (b[lane] + power[aggregates.of_patch[i] as usize]).max(0.0);
                 }
             }
@@ -258,13 +260,17 @@ impl Group {
 
     /// One Gauss-Seidel pass over the patches in order.
     fn relax(&mut self, transport: &dyn Transport, system: &System, cancelled: Cancelled) {
-        let (columns, direct) = (&self.columns, &self.direct);
+        let (columns, direct, irradiance) = (&self.columns, &self.direct, &mut self.irradiance);
         transport.relax(&mut self.radiosity, cancelled, &mut |i, others, own| {
             let mut radiosity = [0.0; LANES];
             for (lane, &column) in columns.iter().enumerate() {
-                // What a patch keeps for itself is solved for, not iterated.
+                // What a patch keeps for itself is solved for, not iterated. Its far side has what it had last.
                 let rho = system.rho(i, column);
-                radiosity[lane] = rho * (direct[i][lane] + others[lane]) / (1.0 - rho * own);
+                let passed = system.passed(i, column, |j| direct[j][lane] + irradiance[j][lane]);
+                radiosity[lane] = (rho * (direct[i][lane] + others[lane]) + passed) / (1.0 - rho * own);
+            }
+            for lane in 0..LANES {
+                irradiance[i][lane] = others[lane] + own * radiosity[lane];
             }
             radiosity
         });
@@ -314,10 +320,11 @@ impl Group {
         if cancelled() {
             return;
         }
-        for (i, (irradiance, residual)) in self.irradiance.iter().zip(&mut self.residual).enumerate() {
+        let (direct, irradiance) = (&self.direct, &self.irradiance);
+        for (i, residual) in self.residual.iter_mut().enumerate() {
             for (lane, &column) in columns.iter().enumerate() {
-                let arriving = self.direct[i][lane] + irradiance[lane];
-                residual[lane] = system.rho(i, column) * arriving - radiosity[i][lane];
+                let arriving = |j: usize| direct[j][lane] + irradiance[j][lane];
+                residual[lane] = system.leaving(i, column, arriving) - radiosity[i][lane];
             }
         }
     }

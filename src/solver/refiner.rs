@@ -54,6 +54,12 @@ impl Refiner {
                     *sum += f * rho * f64::from(h);
                 }
             }
+            if !system.translucence.is_empty() {
+                let light = &self.light.values;
+                for (c, sum) in arriving.iter_mut().enumerate() {
+                    *sum += f * system.passed(j, c, |far| f64::from(light[far * n + c]));
+                }
+            }
             if let (None, Some((lamp, weight))) = (&system.direct, &system.emission[j]) {
                 let own = &mut arriving[*lamp as usize * system.bands..][..system.bands];
                 own.iter_mut().zip(weight).for_each(|(sum, w)| *sum += f * w);

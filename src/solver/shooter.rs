@@ -31,7 +31,9 @@ impl Shooter {
             .map(|at| {
                 let (i, c) = (at / columns, at % columns);
                 match &system.direct {
-                    Some(direct) => system.rho(i, c) as f32 * direct.values[at],
+                    Some(direct) => {
+                        system.leaving(i, c, |j| f64::from(direct.values[j * columns + c])) as f32
+                    }
                     None => system.exitance(i, c) as f32,
                 }
             })
@@ -90,6 +92,14 @@ impl Shooter {
                 *h += dh;
                 *unshot += system.rho(j, c) as f32 * dh;
             }
+            // What arrives here leaves the far side as well: it has as much of this one behind it.
+            for &(far, behind) in system.translucence.at(j).iter().flat_map(|passing| &passing.behind) {
+                let passed = share * (behind * system.areas[j] / system.areas[far as usize]) as f32;
+                for (c, &b) in sent.iter().enumerate() {
+                    let tau = system.translucence.at(far as usize).map_or(0.0, |p| p.share[c % self.bands]);
+                    self.unshot[far as usize * n + c] += tau as f32 * passed * b;
+                }
+            }
         }
     }
 
@@ -108,7 +118,7 @@ impl Shooter {
                 let over_area = |value: &dyn Fn(usize) -> f64| {
                     (0..self.done.len()).map(|i| system.areas[i] * value(i)).sum::<f64>() / area
                 };
-                let rho = over_area(&|i| system.rho(i, c));
+                let rho = over_area(&|i| system.leaving(i, c, |_| 1.0));
                 let unshot = over_area(&|i| f64::from(self.unshot[i * self.columns + c]));
                 let ambient = stays * unshot / (1.0 - stays * rho);
                 if ambient.is_finite() { ambient as f32 } else { 0.0 }

@@ -1,5 +1,5 @@
 use super::LightBases;
-use crate::mesh::PatchMesh;
+use crate::mesh::{PatchMesh, Translucence};
 use crate::scene::Lighting;
 use std::sync::Arc;
 
@@ -26,6 +26,8 @@ pub struct System {
     pub photometric: Vec<f64>,
     /// Which lamps are the sky or the sun: what they send out is what arrives. A lamp beyond the list is neither.
     pub outdoors: Vec<bool>,
+    /// Which patches pass what arrives on their far sides.
+    pub translucence: Arc<Translucence>,
     /// Irradiance of each patch straight from the lamps, at unit exitance, where it is known better than by
     /// gathering their emission.
     pub direct: Option<Arc<LightBases>>,
@@ -69,6 +71,10 @@ impl System {
             outdoors: (0..lighting.lamps.len() as u32).map(|lamp| mesh.is_outdoors(lamp)).collect(),
             areas: mesh.patches.iter().map(|p| p.area).collect(),
             output,
+            translucence: match colour || !mesh.translucence.is_tinted() {
+                true => Arc::clone(&mesh.translucence),
+                false => Arc::new(mesh.translucence.grey()),
+            },
             direct: None,
         }
     }
@@ -111,5 +117,24 @@ impl System {
     /// Reflectance of a patch in a column.
     pub fn rho(&self, patch: usize, column: usize) -> f64 {
         self.reflectance[patch][column % self.bands]
+    }
+
+    /// What a patch sends out in a column of what arrives on its two sides; `arriving` gives the irradiance of each patch.
+    pub fn leaving(&self, patch: usize, column: usize, arriving: impl Fn(usize) -> f64) -> f64 {
+        self.rho(patch, column) * arriving(patch) + self.passed(patch, column, arriving)
+    }
+
+    /// What of this comes from its far side.
+    pub fn passed(&self, patch: usize, column: usize, arriving: impl Fn(usize) -> f64) -> f64 {
+        self.translucence.at(patch).map_or(0.0, |passing| {
+            let far: f64 = passing.behind.iter().map(|&(far, share)| share * arriving(far as usize)).sum();
+            passing.share[column % self.bands] * far
+        })
+    }
+
+    /// The greatest share of what arrives on both sides of a patch that it sends out in any band.
+    pub fn greatest_share(&self, patch: usize) -> f64 {
+        let share = |band: usize| self.translucence.at(patch).map_or(0.0, |passing| passing.share[band]);
+        (0..self.bands).map(|band| self.reflectance[patch][band] + share(band)).fold(0.0, f64::max)
     }
 }

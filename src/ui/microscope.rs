@@ -142,6 +142,7 @@ impl Maps {
     fn compute(wanted: &MapSource) -> Self {
         let mut maps = Self::default();
         let patches = &wanted.prepared.mesh.patches;
+        let translucence = &wanted.prepared.mesh.translucence;
         let mut waiting: Vec<[f32; 3]> = Vec::new();
         if let Some(transport) = &wanted.transport {
             for i in 0..transport.len() {
@@ -154,7 +155,7 @@ impl Maps {
                 maps.reciprocity.push(100.0 * quality.worst_reciprocity);
             }
             if !wanted.light.radiosity.is_empty() {
-                waiting = residual(transport.as_ref(), &wanted.reflectance, &wanted.light);
+                waiting = residual(transport.as_ref(), (&wanted.reflectance, translucence), &wanted.light);
             }
         } else if let Some(unshot) = &wanted.unshot {
             waiting = unshot.sum(&wanted.lighting, patches.len());

@@ -93,6 +93,7 @@ impl Assembled {
     pub fn grey_system(&self, patch: impl Fn(usize) -> (f64, f64)) -> System {
         let n = self.patches().len();
         System {
+            translucence: Arc::default(),
             lamps: 1,
             bands: 1,
             reflectance: (0..n).map(|i| [patch(i).0; 3]).collect(),

@@ -28,6 +28,7 @@ fn v(x: f64, y: f64, z: f64) -> DVec3 {
 impl Room {
     pub fn empty() -> Self {
         let material = |name: &str, reflectance, texture| Material {
+            translucence: [0.0; 3],
             name: name.to_owned(),
             reflectance,
             texture,
