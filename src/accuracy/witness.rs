@@ -275,7 +275,9 @@ impl<'a> Witness<'a> {
     /// Whether the side of a triangle that a ray in this direction meets can be seen.
     fn is_shown(&self, triangle: u32, direction: DVec3) -> bool {
         let piece = &self.mesh.pieces[self.pieces[triangle as usize] as usize];
-        !(piece.backed && self.mesh.regions[piece.region as usize].frame.normal.dot(direction) > 0.0)
+        let region = &self.mesh.regions[piece.region as usize];
+        // What has holes stands among the panes.
+        !region.has_holes && !(piece.backed && region.frame.normal.dot(direction) > 0.0)
     }
 
     fn triangles_of(&self, patch: u32) -> &[(u32, f64)] {
@@ -407,6 +409,11 @@ impl<'a> Witness<'a> {
                     met.distance
                 }
             };
+            let range = [self.offset, distance - self.offset];
+            self.glass.each_perforated(origin, direction, range, |patch, share| {
+                found.constant += each * share * self.reflected[patch as usize];
+                found.shown += each * share * self.reflected[patch as usize];
+            });
             // What panes mirror on the way, looked for by this way of sampling alone.
             self.glass.each_mirror(origin, direction, [self.offset, distance], |from, mirrored, share| {
                 let share = each * share;

@@ -298,7 +298,7 @@ impl Elements {
                 own[basis as usize] += third * f64::from(value);
             }
         }
-        let patches = mesh.patches.iter().flat_map(|p| std::iter::repeat_n(p.area, bases));
+        let patches = mesh.patches.iter().flat_map(|p| std::iter::repeat_n(p.outline_area(), bases));
         sums.iter()
             .zip(patches)
             .map(|(sum, area)| if area > 0.0 { (sum / area) as f32 } else { 0.0 })

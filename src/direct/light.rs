@@ -544,17 +544,11 @@ impl DirectLight {
                     fan.add(relative, obstacle.plane, limit, self.thickness);
                 }
                 let share = fan.visible_share(normal);
-                behind.start(clipper.fragments());
-                behind.divide(&self.glass, panes, point, (limit, self.thickness));
-                return behind.irradiance(&self.glass, &**emitter, normal).map(|value| share * value);
+                let value = self.through(panes, &**emitter, (point, normal), limit, (clipper, behind));
+                return value.map(|value| share * value);
             }
         }
-        if panes.is_empty() {
-            return [clipper.fragments().map(|f| emitter.irradiance(normal, f)).sum(); 3];
-        }
-        behind.start(clipper.fragments());
-        behind.divide(&self.glass, panes, point, (limit, self.thickness));
-        behind.irradiance(&self.glass, &**emitter, normal)
+        self.through(panes, &**emitter, (point, normal), limit, (clipper, behind))
     }
 
     /// Whether an obstacle lies outside of one of the half-spaces that hold all between a point and an outline.

@@ -48,7 +48,7 @@ impl Mirrors {
                 .chain([middle])
                 .collect();
             [0, 1].map(|side| {
-                if !pane.dims[side] {
+                if !pane.dims[side] || pane.perforated.is_some() {
                     return Vec::new();
                 }
                 let normal = if side == 0 { pane.normal } else { -pane.normal };
@@ -145,7 +145,6 @@ impl Mirrors {
                     continue;
                 }
                 // 3. What glass mirrors and things let by.
-                let kind = &glass.panes().kinds[pane.kind as usize];
                 let mut sum = [0.0; 3];
                 each_part_even_on(pane.normal, &left, |part, direction| {
                     let value = source.emitter.irradiance(horizon, part);
@@ -156,7 +155,7 @@ impl Mirrors {
                             .map(|(from, to)| light.passed_between(source, from, to));
                         std::array::from_fn(|band| before[band] * behind[band])
                     });
-                    let mirrored = kind.reflectance(pane.normal.dot(direction));
+                    let mirrored = glass.reflectance(pane, pane.normal.dot(direction));
                     for band in 0..3 {
                         sum[band] += value * mirrored[band] * passed[band];
                     }

@@ -63,6 +63,8 @@ pub struct PaneCorner {
 pub struct Batch {
     /// Index into the scene's textures.
     pub texture: Option<u32>,
+    /// Whether nothing is drawn where the texture is transparent.
+    pub has_holes: bool,
     /// Part of [`DisplayMesh::indices`].
     pub indices: Range<u32>,
 }
@@ -111,6 +113,8 @@ pub struct DisplayMesh {
     /// One per lit corner.
     sources: Vec<Source>,
     textured: Vec<TexturedPatch>,
+    /// Patches with holes, in rising order, and the texture that tells where.
+    perforated: Vec<(u32, u32)>,
     /// What patches pass from their far sides.
     translucence: Arc<Translucence>,
     /// Lit corners of translucent surfaces, in rising order, and the places on the far side that lie behind them.
@@ -176,7 +180,12 @@ impl DisplayMesh {
             let shines = patch.luminaire.is_some() && patch.emission_weight.iter().any(|&e| e > 0.0);
             let known = material.texture.filter(|&t| (t as usize) < scene.textures.len());
             // An average of one is that of a white spot, or of a mesh made without textures.
-            let drawn = known.filter(|_| has_uvs && !shines && patch.texture_average != [1.0; 3]);
+            let has_holes = mesh.regions[patch.region as usize].has_holes;
+            let is_plain = patch.texture_average == [1.0; 3] && !has_holes;
+            let drawn = known.filter(|_| has_uvs && !shines && !is_plain);
+            if let Some(texture) = drawn.filter(|_| has_holes) {
+                self.perforated.push((index as u32, texture));
+            }
             let Some(texture) = drawn else { continue };
             self.patch_textures[index] = Some(texture);
             self.textured.push(TexturedPatch {
@@ -247,6 +256,9 @@ impl DisplayMesh {
         let (triangles, owners) = mesh.panes.triangles();
         for (triangle, owner) in triangles.iter().zip(owners) {
             let pane = &mesh.panes.list[owner as usize];
+            if pane.perforated.is_some() {
+                continue;
+            }
             let tint = mesh.panes.kinds[pane.kind as usize].transmittance(1.0).map(|share| share as f32);
             let sides = u32::from(pane.dims[0]) | u32::from(pane.dims[1]) << 1;
             self.panes.extend(triangle.map(|corner| PaneCorner {
@@ -259,11 +271,12 @@ impl DisplayMesh {
     }
 
     fn add_triangles(&mut self, mesh: &PatchMesh, places: &[u32]) {
-        let (mut by_texture, mut unlit) = (HashMap::<Option<u32>, Vec<u32>>::new(), Vec::new());
+        let (mut by_texture, mut unlit) = (HashMap::<(Option<u32>, bool), Vec<u32>>::new(), Vec::new());
         let elements = self.elements.clone();
         let mut roots = elements.iter().flat_map(|elements| elements.roots.iter().copied());
         for piece in &mesh.pieces {
             let first = piece.corners.start as usize;
+            let has_holes = mesh.regions[piece.region as usize].has_holes;
             for k in 1..piece.corners.len() - 1 {
                 for side in [Side::Front, Side::Back] {
                     let patch = piece.patches[side as usize];
@@ -278,8 +291,12 @@ impl DisplayMesh {
                         continue;
                     }
                     let list = match patch {
+                        // A side without a patch shows no holes, and is better not seen at all.
+                        NO_PATCH if has_holes => continue,
                         NO_PATCH => &mut unlit,
-                        patch => by_texture.entry(self.patch_textures[patch as usize]).or_default(),
+                        patch => {
+                            by_texture.entry((self.patch_textures[patch as usize], has_holes)).or_default()
+                        }
                     };
                     match (&elements, root) {
                         (Some(elements), Some(root)) if patch != NO_PATCH => {
@@ -292,10 +309,10 @@ impl DisplayMesh {
         }
         let mut batches: Vec<_> = by_texture.into_iter().collect();
         batches.sort_by_key(|batch| batch.0);
-        for (texture, mut list) in batches {
+        for ((texture, has_holes), mut list) in batches {
             let start = self.indices.len() as u32;
             self.indices.append(&mut list);
-            self.batches.push(Batch { texture, indices: start..self.indices.len() as u32 });
+            self.batches.push(Batch { texture, has_holes, indices: start..self.indices.len() as u32 });
         }
         let start = self.indices.len() as u32;
         self.indices.append(&mut unlit);
@@ -327,6 +344,12 @@ impl DisplayMesh {
             .filter(|same| same.len() == 1 || same.iter().any(|edge| edge.1 != same[0].1))
             .map(|same| same[0].2)
             .collect();
+    }
+
+    /// The texture that tells where a patch has holes, if it has any.
+    pub fn holes_of(&self, patch: u32) -> Option<u32> {
+        let at = self.perforated.binary_search_by_key(&patch, |entry| entry.0).ok()?;
+        Some(self.perforated[at].1)
     }
 
     /// How many patches the values must be for.

@@ -4,7 +4,7 @@ use crate::scene::{Scene, grouped};
 
 /// Glass is called for where surfaces of it stand in the scene.
 pub(super) fn find(scene: &Scene, mesh: &PatchMesh) -> Finding {
-    let panes = mesh.panes.list.len();
+    let panes = mesh.panes.glass().count();
     // Where it is switched off no pane was made.
     let surfaces = scene
         .surfaces

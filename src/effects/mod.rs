@@ -4,6 +4,7 @@
 
 mod colour_bands;
 mod glass;
+mod holes;
 mod smooth_surfaces;
 mod textures;
 mod translucency;
@@ -31,11 +32,13 @@ pub enum Effect {
     Glass,
     /// Light that cloth, paper and opal glass pass diffusely; they are opaque otherwise.
     Translucency,
+    /// Light that passes leaves, screens and fabrics where their images are transparent; they are opaque otherwise.
+    Holes,
 }
 
 impl Effect {
     /// All effects, in the order in which a plan lists them.
-    pub const ALL: [Self; 7] = [
+    pub const ALL: [Self; 8] = [
         Self::Visibility,
         Self::ColourBands,
         Self::TwoSided,
@@ -43,6 +46,7 @@ impl Effect {
         Self::SmoothSurfaces,
         Self::Glass,
         Self::Translucency,
+        Self::Holes,
     ];
 
     /// The name that `--with` and `--without` take.
@@ -55,6 +59,7 @@ impl Effect {
             Self::SmoothSurfaces => "smooth-surfaces",
             Self::Glass => "glass",
             Self::Translucency => "translucency",
+            Self::Holes => "holes",
         }
     }
 }
@@ -127,6 +132,7 @@ pub fn plan(scene: &Scene, mesh: &PatchMesh, choices: &EffectChoices) -> EffectP
                 Effect::SmoothSurfaces => smooth_surfaces::find(mesh),
                 Effect::Glass => glass::find(scene, mesh),
                 Effect::Translucency => translucency::find(scene, mesh),
+                Effect::Holes => holes::find(scene, mesh),
             };
             finding.decide(effect, choices)
         })

@@ -151,6 +151,9 @@ impl Hemicube {
         let lowest = if face == 0 { -1.0 } else { 0.0 };
         for piece in &mesh.pieces {
             let region = &mesh.regions[piece.region as usize];
+            if region.has_holes {
+                continue;
+            }
             let height = region.frame.normal.dot(point - region.origin);
             if height.abs() <= contact {
                 continue;

@@ -19,9 +19,11 @@
 
 mod fan;
 mod glass;
+mod profile;
 
 pub use fan::Fan;
 
+use self::profile::Profile;
 use super::row::RowBuffer;
 use crate::geometry::Frame;
 use crate::mesh::{NO_PATCH, Side};
@@ -104,6 +106,8 @@ pub struct LineSampler {
     active: Vec<Interval>,
     /// Those of the half-plane at hand.
     before: Vec<Interval>,
+    /// What they leave along it, where they are many.
+    profile: Profile,
     /// What is seen on it behind them: solid spans.
     solid: Vec<Interval>,
     /// Visible parts of panes, each with its half-plane.
@@ -153,8 +157,10 @@ impl LineSampler {
             let mut line = std::mem::take(&mut self.lines[k]);
             std::mem::swap(&mut self.before, &mut self.panes[k]);
             self.solid.clear();
+            self.profile_panes(glass);
             self.sweep((scene, glass), &mut line, fan.directions[k]);
-            self.note_open_panes(k as u32);
+            self.note_open_panes(glass, k as u32);
+            self.add_perforated(glass, k as u32);
             std::mem::swap(&mut self.before, &mut self.panes[k]);
             self.lines[k] = line;
         }

@@ -487,11 +487,13 @@ impl RowComputer {
                 self.mesh.normal_of(piece, patch.side).dot(point - region.origin) > self.occluders.contact()
             }
         };
-        self.mesh
+        let whole: f64 = self
+            .mesh
             .pieces_of(patch)
             .filter(faces)
             .map(|piece| point_to_polygon(point, normal, &self.mesh.polygon(piece, Side::Front)))
-            .sum()
+            .sum();
+        patch.opacity * whole
     }
 
     /// A frame that turns with the patch's own surface.

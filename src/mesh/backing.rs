@@ -165,6 +165,10 @@ impl Sheets {
     }
 
     fn is_shown(&self, triangle: u32, direction: DVec3) -> bool {
+        // Light passes its holes, here as if it were not there.
+        if self.outlines[self.owners[triangle as usize] as usize].has_holes {
+            return false;
+        }
         let is_backed = self.backing[self.owners[triangle as usize] as usize] == Backing::Whole;
         !(is_backed && self.meets_back(triangle, direction))
     }

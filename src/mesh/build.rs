@@ -45,6 +45,8 @@ pub struct MeshSettings {
     pub glass: bool,
     /// Whether light passes cloth, paper and the like (see [`crate::effects::Effect::Translucency`]).
     pub translucency: bool,
+    /// Whether light passes surfaces where their images are transparent (see [`crate::effects::Effect::Holes`]).
+    pub holes: bool,
     /// Where patches are to be smaller than elsewhere.
     pub refinement: Option<Arc<Refinement>>,
 }
@@ -69,8 +71,16 @@ impl Default for MeshSettings {
             textures: true,
             glass: true,
             translucency: true,
+            holes: true,
             refinement: None,
         }
+    }
+}
+
+impl MeshSettings {
+    /// Whether light passes the holes of a material.
+    pub(super) fn has_holes(&self, scene: &Scene, material: u32) -> bool {
+        self.holes && self.textures && scene.has_holes(material)
     }
 }
 
@@ -200,14 +210,14 @@ pub fn build_on(
             let pieces = mesh.regions[index].pieces.clone();
             mesh.contacts.push(lines);
             if shares {
-                mesh.convex.append(index as u32, outline);
+                mesh.append_convex(index, outline);
                 mark_backed(&mut mesh, sheets, index);
                 facets.extend(small_facets(&mesh, pieces, sides[index]));
                 continue;
             }
             patches::group_by_cell(&mesh, pieces, &grid, &cuts, &mesh.contacts[index])
         };
-        mesh.convex.append(index as u32, outline);
+        mesh.append_convex(index, outline);
         // 2. One patch per group and lit side; none where another surface lies on the back.
         mark_backed(&mut mesh, sheets, index);
         for side in [Side::Front, Side::Back] {
@@ -248,6 +258,9 @@ pub fn build_on(
     if settings.translucency {
         mesh.translucence = Arc::new(Translucence::find(&mesh, scene, sheets));
     }
+    if outlines.iter().any(|outline| outline.has_holes) {
+        mesh.panes = Arc::new(mesh.panes.with_perforated(&mesh, sheets));
+    }
     mesh.blockers = blockers(outlines, size);
     mesh.statistics = statistics(&mesh, scene, &sides, *dropped, (patch_size, asked));
     Ok(mesh)
@@ -273,6 +286,7 @@ fn blockers(outlines: &[Outline], size: f64) -> Vec<Vec<DVec3>> {
     const MOST: usize = 512;
     let mut large: Vec<(f64, Vec<DVec3>)> = outlines
         .iter()
+        .filter(|o| !o.has_holes)
         .flat_map(|o| o.parts.iter().map(move |part| (o, part)))
         .map(|(o, part)| (polygon::area_2d(&part.corners), o, part))
         .filter(|(area, ..)| *area > 5e-4 * size * size)
@@ -340,6 +354,13 @@ fn whole_sides(mesh: &PatchMesh) -> usize {
 }
 
 impl PatchMesh {
+    /// Adds the parts of the last region that hide something.
+    fn append_convex(&mut self, index: usize, outline: &Outline) {
+        if !outline.has_holes {
+            self.convex.append(index as u32, outline);
+        }
+    }
+
     /// The patch on `side` of a piece.
     pub fn patch_on(&self, piece: u32, side: Side) -> Option<u32> {
         let patch = self.pieces[piece as usize].patches[side as usize];

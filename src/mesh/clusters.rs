@@ -216,7 +216,12 @@ fn append_patch(
     // 3. The patch.
     let material = &scene.materials[material_index as usize];
     let texture = material.texture.filter(|_| textures).map(|t| &scene.textures[t as usize]);
-    let average = texture.map_or([1.0; 3], |t| patches::texture_average(mesh, scene, pieces, t));
+    let has_holes = mesh.regions[region as usize].has_holes;
+    let averages = patches::texture_averages(mesh, scene, pieces, texture, has_holes);
+    let patches::Averages { colour: average, opacity } = averages;
+    if opacity < patches::TRANSPARENT {
+        return None;
+    }
     let normal = normal_of(mesh, pieces[chosen]);
     let index = mesh.patches.len() as u32;
     let start = mesh.patch_pieces.len() as u32;
@@ -234,7 +239,8 @@ fn append_patch(
         pieces: start..mesh.patch_pieces.len() as u32,
         centre,
         normal,
-        area,
+        area: area * opacity,
+        opacity,
         reflectance: std::array::from_fn(|b| {
             (material.reflectance[b] * average[b]).clamp(0.0, MAX_REFLECTANCE - material.translucence[b])
         }),

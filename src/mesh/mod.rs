@@ -36,7 +36,7 @@ pub use checkup::checkup;
 pub use clusters::Clusters;
 pub use convex_parts::{ConvexPart, ConvexParts};
 pub use neighbours::Contact;
-pub use panes::{Pane, Panes};
+pub use panes::{Pane, Panes, Perforated};
 pub use reach::LightSearch;
 pub(crate) use reach::cosine_direction;
 pub use refinement::Refinement;

@@ -1,6 +1,8 @@
 //! Panes of glass: surfaces that light passes, and that are no patches.
 
+use super::backing::Sheets;
 use super::regions::Outline;
+use super::types::{NO_PATCH, PatchMesh, Side};
 use crate::geometry::{Aabb, Bvh, Ray, polygon};
 use crate::glazing::AngleTable;
 use crate::scene::Scene;
@@ -15,7 +17,7 @@ pub struct Pane {
     pub normal: DVec3,
     /// A box around it, metres.
     pub bounds: Aabb,
-    /// Index into [`Panes::kinds`].
+    /// Index into [`Panes::kinds`] of glass.
     pub kind: u32,
     /// The input surface that it is a part of.
     pub surface: u32,
@@ -24,6 +26,17 @@ pub struct Pane {
     /// Whether light that arrives at its front, and at its back, is dimmed by it: glass that is modelled with its
     /// thickness dims where light enters it, and not where it leaves.
     pub dims: [bool; 2],
+    /// Of a surface with holes what is opaque of it; `None` of glass.
+    pub perforated: Option<Perforated>,
+}
+
+/// A piece of a surface with holes.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Perforated {
+    /// The patches on its front and back, which light nothing where there are none.
+    pub patches: [u32; 2],
+    /// Share that is opaque, above 0 to 1; the rest passes light straight.
+    pub opacity: f64,
 }
 
 /// All panes of a scene.
@@ -78,6 +91,7 @@ impl Panes {
                     surface: part.surface,
                     material: outline.material,
                     dims: [true; 2],
+                    perforated: None,
                 });
             }
         }
@@ -85,6 +99,44 @@ impl Panes {
         panes.join_surfaces(&objects, size);
         panes.area = panes.list.iter().map(Pane::dimming_area).sum();
         panes
+    }
+
+    /// Those of glass.
+    pub fn glass(&self) -> impl Iterator<Item = &Pane> {
+        self.list.iter().filter(|pane| pane.perforated.is_none())
+    }
+
+    /// These, and the pieces of a whole mesh that have holes; its regions are those of `sheets`.
+    pub(super) fn with_perforated(&self, mesh: &PatchMesh, sheets: &Sheets) -> Self {
+        let mut all = self.clone();
+        for piece in mesh.pieces.iter().filter(|piece| mesh.regions[piece.region as usize].has_holes) {
+            let region = &mesh.regions[piece.region as usize];
+            let corners = mesh.polygon(piece, Side::Front);
+            let mut patches = piece.patches;
+            if piece.backed {
+                // Two sheets back to back are one: that of the first region.
+                let middle = corners.iter().sum::<DVec3>() / corners.len() as f64;
+                let others = sheets.backers[piece.region as usize].iter().copied();
+                let mut others = others.filter(|&other| mesh.regions[other as usize].has_holes);
+                if others.clone().any(|other| other < piece.region) {
+                    continue;
+                }
+                let behind = others.find_map(|other| mesh.patch_at(other, Side::Front, middle));
+                patches[1] = behind.unwrap_or(NO_PATCH);
+            }
+            let Some(&patch) = patches.iter().find(|&&patch| patch != NO_PATCH) else { continue };
+            all.list.push(Pane {
+                bounds: Aabb::around(corners.iter().copied()),
+                corners,
+                normal: region.frame.normal,
+                kind: u32::MAX,
+                surface: piece.surface,
+                material: region.material,
+                dims: [true; 2],
+                perforated: Some(Perforated { patches, opacity: mesh.patches[patch as usize].opacity }),
+            });
+        }
+        all
     }
 
     /// Whether there are none.

@@ -11,6 +11,8 @@ use std::ops::Range;
 
 /// A patch smaller than this fraction of its full cell joins a neighbour, if there is one.
 const SLIVER: f64 = 0.25;
+/// What is less opaque is not there.
+pub(super) const TRANSPARENT: f64 = 0.004;
 /// No patch grows beyond this fraction of its full cell by taking slivers in.
 const LARGEST: f64 = 1.7;
 
@@ -147,7 +149,11 @@ pub(super) fn append(
     let radius = corners.map(|c| c.plane.distance(centre)).fold(0.0, f64::max);
     let material = &scene.materials[outline.material as usize];
     let texture = material.texture.filter(|_| textures).map(|t| &scene.textures[t as usize]);
-    let average = texture.map_or([1.0; 3], |t| texture_average(mesh, scene, group, t));
+    let Averages { colour: average, opacity } =
+        texture_averages(mesh, scene, group, texture, outline.has_holes);
+    if opacity < TRANSPARENT {
+        return;
+    }
     let emits = side == Side::Front || outline.emits_back;
 
     let start = mesh.patch_pieces.len() as u32;
@@ -164,7 +170,8 @@ pub(super) fn append(
         pieces: start..mesh.patch_pieces.len() as u32,
         centre: outline.world(centre),
         normal: outline.frame.normal * side.sign(),
-        area,
+        area: area * opacity,
+        opacity,
         reflectance: std::array::from_fn(|b| {
             (material.reflectance[b] * average[b]).clamp(0.0, MAX_REFLECTANCE - material.translucence[b])
         }),
@@ -210,39 +217,73 @@ fn holds(mesh: &PatchMesh, piece: &Piece, point: DVec2) -> bool {
     })
 }
 
-/// Area-weighted mean of a texture over the pieces of a patch: 8 x 8 points per triangle, or that of the whole
-/// image where a surface has no texture coordinates.
-pub(super) fn texture_average(mesh: &PatchMesh, scene: &Scene, group: &[u32], texture: &Texture) -> [f64; 3] {
+/// Means of a texture over a patch.
+pub(super) struct Averages {
+    /// Per band, of what is opaque.
+    pub(super) colour: [f64; 3],
+    /// Share that is opaque, 0 to 1.
+    pub(super) opacity: f64,
+}
+
+/// Area-weighted means of a texture over the pieces of a patch: 8 x 8 points per triangle, or those of the whole
+/// image where a surface has no texture coordinates. Without `holes` all of it is opaque.
+pub(super) fn texture_averages(
+    mesh: &PatchMesh,
+    scene: &Scene,
+    group: &[u32],
+    texture: Option<&Texture>,
+    holes: bool,
+) -> Averages {
+    let Some(texture) = texture else { return Averages { colour: [1.0; 3], opacity: 1.0 } };
+    let whole = || texture.opacity.iter().map(|&o| f64::from(o)).sum::<f64>() / texture.opacity.len() as f64;
+    let all = if holes { whole() } else { 1.0 };
     const POINTS: usize = 8;
+    const REPEATS: f64 = 4.0;
     let mut sum = [0.0; 3];
-    let mut total = 0.0;
+    let (mut opaque, mut total) = (0.0, 0.0);
     for &p in group {
         let piece = &mesh.pieces[p as usize];
         let surface = &scene.surfaces[piece.surface as usize];
         if surface.corners.iter().any(|corner| corner.uv.is_none()) {
-            (0..3).for_each(|band| sum[band] += piece.area * texture.mean[band]);
+            (0..3).for_each(|band| sum[band] += piece.area * all * texture.mean[band]);
+            opaque += piece.area * all;
             total += piece.area;
             continue;
         }
         let corners = mesh.corners_of(piece);
         for k in 1..corners.len() - 1 {
             let [a, b, c] = [corners[0], corners[k], corners[k + 1]];
-            let weight = polygon::area_2d(&[a.plane, b.plane, c.plane]) / (POINTS * POINTS) as f64;
+            let own = polygon::area_2d(&[a.plane, b.plane, c.plane]);
+            // Where it is repeated more often than points can tell, that of the whole image.
+            let span = a.uv.max(b.uv).max(c.uv) - a.uv.min(b.uv).min(c.uv);
+            if span.max_element() > REPEATS && !texture.clamped {
+                (0..3).for_each(|band| sum[band] += own * all * texture.mean[band]);
+                opaque += own * all;
+                total += own;
+                continue;
+            }
+            let weight = own / (POINTS * POINTS) as f64;
             for i in 0..POINTS * POINTS {
                 let mut s = ((i % POINTS) as f64 + 0.5) / POINTS as f64;
                 let mut t = ((i / POINTS) as f64 + 0.5) / POINTS as f64;
                 if s + t > 1.0 {
                     (s, t) = (1.0 - s, 1.0 - t);
                 }
-                let texel = texture.sample(a.uv + (b.uv - a.uv) * s + (c.uv - a.uv) * t);
+                let uv = a.uv + (b.uv - a.uv) * s + (c.uv - a.uv) * t;
+                let (texel, opacity) = (texture.sample(uv), if holes { texture.opacity_at(uv) } else { 1.0 });
+                let own = weight * f64::from(opacity);
                 for band in 0..3 {
-                    sum[band] += weight * f64::from(texel[band]);
+                    sum[band] += own * f64::from(texel[band]);
                 }
+                opaque += own;
                 total += weight;
             }
         }
     }
-    sum.map(|s| if total > 0.0 { s / total } else { 1.0 })
+    Averages {
+        colour: sum.map(|s| if opaque > 0.0 { s / opaque } else { 1.0 }),
+        opacity: if total > 0.0 { opaque / total } else { 1.0 },
+    }
 }
 
 /// (Longest extent)² over area on the region's axes; 1 for a square.
@@ -252,5 +293,5 @@ pub(super) fn aspect(mesh: &PatchMesh, patch: &Patch) -> f64 {
         min = min.min(corner.plane);
         max = max.max(corner.plane);
     }
-    (max - min).max_element().powi(2) / patch.area.max(f64::MIN_POSITIVE)
+    (max - min).max_element().powi(2) / patch.outline_area().max(f64::MIN_POSITIVE)
 }

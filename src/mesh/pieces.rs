@@ -225,6 +225,7 @@ pub(super) fn append(mesh: &mut PatchMesh, outline: &Outline, grid: &Grid, cuts:
         area: outline.area,
         dark: [false; 2],
         backing: super::Backing::None,
+        has_holes: outline.has_holes,
     });
 }
 

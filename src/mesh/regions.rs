@@ -22,6 +22,8 @@ pub(super) struct Outline {
     pub(super) luminaire: Option<u32>,
     pub(super) emission_weight: [f64; 3],
     pub(super) emits_back: bool,
+    /// Its image has holes that light passes.
+    pub(super) has_holes: bool,
     /// Patches are no smaller than this, metres, whatever is asked for: what is far away, or much larger than
     /// the rest, must not use up the patches of the rooms. Zero where nothing holds them up.
     pub(super) coarsest: f64,
@@ -262,6 +264,7 @@ fn outline(scene: &Scene, planes: &[Plane], members: &[u32], welded: &[u32], kee
         luminaire: seed.luminaire,
         emission_weight: seed.emission_weight,
         emits_back: seed.emits_back,
+        has_holes: false,
         coarsest: 0.0,
     }
 }

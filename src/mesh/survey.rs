@@ -47,6 +47,7 @@ pub struct Survey {
     backs: Backs,
     glass: bool,
     translucency: bool,
+    holes: bool,
 }
 
 impl std::fmt::Debug for Survey {
@@ -71,6 +72,9 @@ impl Survey {
         let as_given = settings.target == PatchTarget::AsGiven;
         let (mut outlines, dropped) = regions::join(scene, size, as_given, &mut watch.part(0.0, JOINED))?;
         let panes = if settings.glass { Panes::take(scene, &mut outlines, size) } else { Panes::default() };
+        for outline in &mut outlines {
+            outline.has_holes = settings.has_holes(scene, outline.material) && outline.luminaire.is_none();
+        }
         if outlines.is_empty() {
             return Err(MeshError::Empty);
         }
@@ -97,6 +101,7 @@ impl Survey {
             }
         }
         let MeshSettings { backs, glass, translucency, .. } = *settings;
+        let holes = settings.holes && settings.textures;
         let panes = Arc::new(panes);
         Ok(Self {
             outlines,
@@ -110,6 +115,7 @@ impl Survey {
             backs,
             glass,
             translucency,
+            holes,
         })
     }
 
@@ -119,6 +125,7 @@ impl Survey {
             && self.backs == settings.backs
             && self.glass == settings.glass
             && self.translucency == settings.translucency
+            && self.holes == (settings.holes && settings.textures)
     }
 
     /// For each outline whether its front and its back are active.

@@ -49,7 +49,8 @@ impl Translucence {
             }
             if !areas.is_empty() {
                 *place = list.len() as u32;
-                let behind = areas.into_iter().map(|(far, area)| (far, area / patch.area)).collect();
+                let behind =
+                    areas.into_iter().map(|(far, area)| (far, area / patch.outline_area())).collect();
                 list.push(Passing { share, behind });
             }
         }

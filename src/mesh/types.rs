@@ -64,6 +64,8 @@ pub struct Region {
     pub dark: [bool; 2],
     /// How much of its back is covered by others that lie there and face that way.
     pub backing: Backing,
+    /// Its image has holes: its pieces stand among the panes, which dim, and hide nothing by themselves.
+    pub has_holes: bool,
 }
 
 /// A convex part of a surface inside one grid cell: what is drawn, and what a line of sight meets.
@@ -117,8 +119,10 @@ pub struct Patch {
     pub centre: DVec3,
     /// Unit normal of its side at `centre`.
     pub normal: DVec3,
-    /// Area, m².
+    /// Area of what is opaque of it, m².
     pub area: f64,
+    /// Share of it that is opaque, above 0 to 1: below 1 only on surfaces with holes.
+    pub opacity: f64,
     /// Reflectance per band, averaged over the patch where textured; 0 to `MAX_REFLECTANCE`.
     pub reflectance: [f64; 3],
     /// Mean of the texture over the patch per band, 0 to 1; 1 without a texture. The material's
@@ -133,6 +137,13 @@ pub struct Patch {
     pub is_cluster: bool,
     /// Radius of the smallest sphere around `centre` that holds the patch, metres.
     pub radius: f64,
+}
+
+impl Patch {
+    /// Area within its outline, holes included, m².
+    pub fn outline_area(&self) -> f64 {
+        self.area / self.opacity
+    }
 }
 
 /// The scene cut into patches.

@@ -46,18 +46,23 @@ impl Picker {
             bvh: Bvh::build(&triangles),
             pieces,
             sides: mesh.pieces.iter().map(|p| (p.patches, normal(p.region))).collect(),
-            glass: Glass::new(mesh),
+            glass: Glass::clear(mesh),
         }
     }
 
     /// What a person sees along the ray: the nearest side that has a patch. Sides without one are
     /// looked through, as the viewport does by default.
     pub fn pick(&self, ray: &Ray) -> Option<Pick> {
+        self.pick_beyond(ray, 0.0)
+    }
+
+    /// The same of what lies farther along the ray than this, in multiples of its direction.
+    pub fn pick_beyond(&self, ray: &Ray, from: f64) -> Option<Pick> {
         let accept = |triangle: u32| {
             let (patches, normal) = self.sides[self.pieces[triangle as usize] as usize];
             patches[side_towards(normal, ray.direction) as usize] != NO_PATCH
         };
-        self.bvh.nearest_where(ray, 0.0, f64::INFINITY, accept).map(|hit| self.describe(ray, hit))
+        self.bvh.nearest_where(ray, from, f64::INFINITY, accept).map(|hit| self.describe(ray, hit))
     }
 
     /// The panes of glass of the mesh.

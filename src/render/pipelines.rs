@@ -53,6 +53,8 @@ pub(super) enum Pass {
     Plain,
     /// The same, multiplied with a texture.
     Textured,
+    /// The same, and nothing where the texture is transparent.
+    Perforated,
     /// Scalars from slot 1 through a colour map.
     FalseColour,
     /// A colour for each patch.
@@ -76,6 +78,7 @@ impl Pass {
         match self {
             Self::Plain => ("vs_lit", "fs_plain"),
             Self::Textured => ("vs_lit", "fs_textured"),
+            Self::Perforated => ("vs_lit", "fs_perforated"),
             Self::FalseColour => ("vs_valued", "fs_false_colour"),
             Self::PatchIds => ("vs_static", "fs_patch_ids"),
             Self::Normals => ("vs_static", "fs_normals"),
@@ -111,7 +114,7 @@ impl Pass {
     }
 
     fn takes_light(self) -> bool {
-        matches!(self, Self::Plain | Self::Textured) || self.is_lines()
+        matches!(self, Self::Plain | Self::Textured | Self::Perforated) || self.is_lines()
     }
 }
 
@@ -190,7 +193,8 @@ impl Pipelines {
 
     /// Makes a pipeline of the scene where it does not exist yet.
     pub(super) fn prepare_scene(&mut self, device: &wgpu::Device, key: SceneKey) {
-        let layout = if key.pass == Pass::Textured { &self.textured_layout } else { &self.scene_layout };
+        let is_textured = matches!(key.pass, Pass::Textured | Pass::Perforated);
+        let layout = if is_textured { &self.textured_layout } else { &self.scene_layout };
         let module = &self.scene_module;
         self.scene.entry(key).or_insert_with(|| scene_pipeline(device, module, layout, key));
     }
@@ -376,6 +380,7 @@ mod tests {
         for pass in [
             Pass::Plain,
             Pass::Textured,
+            Pass::Perforated,
             Pass::FalseColour,
             Pass::PatchIds,
             Pass::Normals,

@@ -149,7 +149,7 @@ impl StillInput<'_> {
         for sample in 0..samples * samples {
             let at = DVec2::new((sample % samples).into(), (sample / samples).into()) + 0.5;
             let ray = camera.ray(corner + at / f64::from(samples), size_px);
-            let (behind, distance) = match (self.picker.pick(&ray), self.sky) {
+            let (behind, distance) = match (self.seen(&ray), self.sky) {
                 (Some(pick), _) => {
                     pixel.coverage += share;
                     (self.radiosity(&pick), pick.distance)
@@ -184,7 +184,7 @@ impl StillInput<'_> {
             normal: [0.0; 3],
             depth: 0.0,
         };
-        if let Some(pick) = self.picker.pick(&ray) {
+        if let Some(pick) = self.seen(&ray) {
             let (corners, weights, _) = self.corners(&pick);
             let normal: Vec3 = corners
                 .iter()
@@ -199,6 +199,39 @@ impl StillInput<'_> {
         pixel
     }
 
+    /// What a ray meets that is there: not the holes of an image.
+    fn seen(&self, ray: &crate::geometry::Ray) -> Option<Pick> {
+        /// Through more surfaces with holes nobody looks.
+        const MOST: usize = 256;
+        let mut pick = self.picker.pick(ray)?;
+        for _ in 0..MOST {
+            if !self.is_hole(&pick) {
+                break;
+            }
+            pick = self.picker.pick_beyond(ray, pick.distance * (1.0 + 1e-9) + 1e-9)?;
+        }
+        Some(pick)
+    }
+
+    fn is_hole(&self, pick: &Pick) -> bool {
+        let holes = pick.patch.and_then(|patch| self.mesh.holes_of(patch));
+        holes.and_then(|texture| self.textures.get(texture as usize)).is_some_and(|texture| {
+            let (corners, weights, _) = self.corners(pick);
+            texture.opacity_at(self.uv(corners, weights).as_dvec2()) < 0.5
+        })
+    }
+
+    /// Texture coordinates between corners.
+    fn uv(&self, corners: [u32; 3], weights: [f32; 3]) -> Vec2 {
+        let uv: Vec2 = corners
+            .iter()
+            .zip(weights)
+            .filter_map(|(&c, w)| Some(self.mesh.corners.get(c as usize)?.uv * w))
+            .sum();
+        // A sum of huge coordinates may overflow.
+        if uv.is_finite() { uv } else { Vec2::ZERO }
+    }
+
     fn corners(&self, pick: &Pick) -> ([u32; 3], [f32; 3], Option<u32>) {
         let [u, v] = pick.barycentric;
         self.mesh.place(pick.triangle, pick.side, [1.0 - u - v, u, v])
@@ -208,14 +241,7 @@ impl StillInput<'_> {
         let (corners, weights, texture) = self.corners(pick);
         let value = interpolate(self.corner_radiosity, corners, weights);
         let Some(texture) = texture.and_then(|t| self.textures.get(t as usize)) else { return value };
-        let uv: Vec2 = corners
-            .iter()
-            .zip(weights)
-            .filter_map(|(&c, w)| Some(self.mesh.corners.get(c as usize)?.uv * w))
-            .sum();
-        // A sum of huge coordinates may overflow.
-        let uv = if uv.is_finite() { uv } else { Vec2::ZERO };
-        let texel = texture.sample(uv.as_dvec2());
+        let texel = texture.sample(self.uv(corners, weights).as_dvec2());
         std::array::from_fn(|b| value[b] * texel[b])
     }
 }

@@ -6,7 +6,8 @@ use std::sync::LazyLock;
 /// One level of an image in linear light.
 struct Level {
     size: [u32; 2],
-    pixels: Vec<[f32; 3]>,
+    /// R, G, B, and opacity.
+    pixels: Vec<[f32; 4]>,
 }
 
 /// Uploads an image with its mip levels as sRGB bytes. An image whose pixels do not fit its size
@@ -34,7 +35,7 @@ pub(super) fn upload(
             .pixels
             .par_iter()
             .with_min_len(4096)
-            .map(|p| [srgb_byte(p[0]), srgb_byte(p[1]), srgb_byte(p[2]), 255])
+            .map(|p| [srgb_byte(p[0]), srgb_byte(p[1]), srgb_byte(p[2]), (255.0 * p[3]).round() as u8])
             .collect();
         write_level(queue, &texture, index as u32, level.size, &texels);
     }
@@ -79,9 +80,11 @@ fn levels(image: &Texture, largest: u32) -> Vec<Level> {
     let size = [image.width, image.height];
     let is_whole = size[0] > 0 && size[1] > 0 && image.pixels.len() == size[0] as usize * size[1] as usize;
     let first = if is_whole {
-        Level { size, pixels: image.pixels.clone() }
+        let opacity = |index: usize| image.opacity.get(index).copied().unwrap_or(1.0);
+        let pixels = image.pixels.iter().enumerate().map(|(at, &[r, g, b])| [r, g, b, opacity(at)]).collect();
+        Level { size, pixels }
     } else {
-        Level { size: [1, 1], pixels: vec![[1.0; 3]] }
+        Level { size: [1, 1], pixels: vec![[1.0; 4]] }
     };
     let mut levels = vec![first];
     while let Some(last) = levels.last().filter(|level| level.size != [1, 1]) {
@@ -104,14 +107,19 @@ fn halved(level: &Level) -> Level {
         .with_min_len(4096)
         .map(|index| {
             let (x, y) = (2 * (index % size[0]), 2 * (index / size[0]));
-            let mut sum = [0.0; 3];
+            // What is transparent has no colour, whatever the image says there.
+            let (mut sum, mut opaque, mut all) = ([0.0; 3], [0.0; 3], 0.0);
             for (dx, dy) in [(0, 0), (1, 0), (0, 1), (1, 1)] {
                 let at = (y + dy).min(height - 1) * width + (x + dx).min(width - 1);
-                for band in 0..3 {
-                    sum[band] += 0.25 * level.pixels[at as usize][band];
+                let [r, g, b, opacity] = level.pixels[at as usize];
+                all += 0.25 * opacity;
+                for (band, value) in [r, g, b].into_iter().enumerate() {
+                    sum[band] += 0.25 * value;
+                    opaque[band] += 0.25 * opacity * value;
                 }
             }
-            sum
+            let [r, g, b] = if all > 0.0 && all < 1.0 { opaque.map(|value| value / all) } else { sum };
+            [r, g, b, all]
         })
         .collect();
     Level { size, pixels }
@@ -131,7 +139,15 @@ mod tests {
 
     fn image(width: u32, height: u32) -> Texture {
         let pixels = (0..width * height).map(|i| [i as f32 / (width * height) as f32; 3]).collect();
-        Texture { name: "ramp".to_owned(), width, height, clamped: false, mean: [0.5; 3], pixels }
+        Texture {
+            name: "ramp".to_owned(),
+            width,
+            height,
+            clamped: false,
+            mean: [0.5; 3],
+            pixels,
+            opacity: Vec::new(),
+        }
     }
 
     #[test]
@@ -147,7 +163,7 @@ mod tests {
     fn large_images_are_made_to_fit_and_broken_ones_are_white() {
         assert_eq!(levels(&image(9, 5), 4)[0].size, [4, 2]);
         let broken = Texture { pixels: Vec::new(), ..image(3, 3) };
-        assert_eq!(levels(&broken, 4096)[0].pixels, [[1.0; 3]]);
+        assert_eq!(levels(&broken, 4096)[0].pixels, [[1.0; 4]]);
     }
 
     #[test]

@@ -281,7 +281,7 @@ impl ViewportRenderer {
             let bindings = batch.texture.and_then(|t| mesh.textures.get(t as usize));
             match bindings.filter(|_| surfaces == Pass::Plain) {
                 Some(bindings) => {
-                    select(pass, Pass::Textured);
+                    select(pass, if batch.has_holes { Pass::Perforated } else { Pass::Textured });
                     pass.set_bind_group(1, bindings, &[]);
                 }
                 None => select(pass, surfaces),
@@ -381,7 +381,7 @@ fn samples(frame: &FrameInput) -> u32 {
 }
 
 /// What a frame is drawn in: surfaces with patches first, lines last.
-fn passes(frame: &FrameInput) -> [Pass; 4] {
+fn passes(frame: &FrameInput) -> [Pass; 5] {
     let surfaces = match frame.source {
         ColourSource::Radiosity => Pass::Plain,
         ColourSource::FalseColour(_) => Pass::FalseColour,
@@ -389,7 +389,7 @@ fn passes(frame: &FrameInput) -> [Pass; 4] {
         ColourSource::Normals => Pass::Normals,
     };
     let lines = if surfaces == Pass::Plain { Pass::LinesOnLit } else { Pass::Lines };
-    [surfaces, Pass::Textured, Pass::Unlit, lines]
+    [surfaces, Pass::Textured, Pass::Perforated, Pass::Unlit, lines]
 }
 
 fn scene_key(frame: &FrameInput, pass: Pass) -> SceneKey {

@@ -70,6 +70,8 @@ pub(super) struct Block {
     pub(super) image: Option<(Map, PathBuf)>,
     /// `map_Ke`, likewise.
     pub(super) glow: Option<(Map, PathBuf)>,
+    /// `map_d`, likewise: where it is opaque.
+    pub(super) holes: Option<(Map, PathBuf)>,
     /// What it says of light that passes.
     pub(super) passing: Passing,
     /// Whether a library defines it.
@@ -87,6 +89,7 @@ impl Block {
             ke: None,
             image: None,
             glow: None,
+            holes: None,
             passing: Passing::default(),
             defined: false,
         }
@@ -180,14 +183,18 @@ impl Library {
                         *(if word == "kd" { &mut block.kd } else { &mut block.ke }) = Some(colour);
                     }
                 }
-                "map_kd" | "map_ke" => {
+                "map_kd" | "map_ke" | "map_d" => {
                     let map = Map::parse(rest);
                     if map.image.is_empty() {
                         self.note("statements that name no image were left out", place());
                         continue;
                     }
                     let block = &mut self.blocks[block];
-                    let slot = if word == "map_kd" { &mut block.image } else { &mut block.glow };
+                    let slot = match &*word {
+                        "map_kd" => &mut block.image,
+                        "map_ke" => &mut block.glow,
+                        _ => &mut block.holes,
+                    };
                     *slot = Some((map, path.to_owned()));
                 }
                 "d" | "tr" | "ni" | "illum" => {

@@ -148,10 +148,13 @@ impl Reader<'_> {
         }
         let exitance = self.exitance(block, &name);
         let reflectance = self.reflectance(block, &name, texture.is_some(), exitance != [0.0; 3]);
-        let placement = block.image.as_ref().filter(|_| texture.is_some()).map(|(map, _)| map.placement);
+        let mut placement = block.image.as_ref().filter(|_| texture.is_some()).map(|(map, _)| map.placement);
+        self.perforate(block, &name, &mut texture, &mut placement);
         self.materials.placements.push(placement.unwrap_or_default());
         self.materials.exitance.push(exitance);
-        let glazing = if exitance == [0.0; 3] { self.glazing(block, &name) } else { None };
+        let has_holes = texture.is_some_and(|t| self.textures.list[t as usize].has_holes());
+        let is_glass = exitance == [0.0; 3] && !has_holes;
+        let glazing = if is_glass { self.glazing(block, &name) } else { None };
         self.materials.list.push(Material {
             name: block.name.clone(),
             reflectance,
@@ -160,6 +163,42 @@ impl Reader<'_> {
             glazing,
             translucence: [0.0; 3],
         });
+    }
+
+    /// Gives the image of a material, or plain white, the holes of its `map_d`, and says how open it is by that or by the
+    /// image's own transparent parts.
+    fn perforate(
+        &mut self,
+        block: &Block,
+        name: &str,
+        texture: &mut Option<u32>,
+        placement: &mut Option<Placement>,
+    ) {
+        if let Some((map, library)) = &block.holes {
+            let image = names::short(&map.image);
+            match self.textures.perforated(*texture, map, library, self.files) {
+                Ok(found) => {
+                    if placement.is_some_and(|placement| placement != map.placement) {
+                        let what = "images of opacity (map_d) that lie otherwise than the material's map_Kd are laid as that";
+                        self.note(what, format!("'{image}' of material '{name}'"));
+                    }
+                    if found.is_some() {
+                        placement.get_or_insert(map.placement);
+                        *texture = found;
+                    }
+                }
+                Err(reason) => self.warn(
+                    "images of opacity (map_d) that cannot be used, so that the material has no holes",
+                    format!("'{image}' of material '{name}' ({reason})"),
+                ),
+            }
+        }
+        let used = texture.map(|t| &self.textures.list[t as usize]).filter(|used| used.has_holes());
+        if let Some(opacity) = used.map(|used| &used.opacity) {
+            let open = 1.0 - opacity.iter().map(|&o| f64::from(o)).sum::<f64>() / opacity.len() as f64;
+            let what = "materials with holes by their images (map_d, or the alpha of map_Kd): light passes by their mean";
+            self.note(what, format!("'{name}' ({:.0} % of the image is open)", 100.0 * open));
+        }
     }
 
     /// What light passes it, and a word on how that was understood.

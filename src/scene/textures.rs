@@ -2,8 +2,9 @@
 
 use super::lookup::{Files, read_plain, reason};
 use super::map::Map;
-use super::types::{MAX_REFLECTANCE, Texture};
+use super::types::{MAX_REFLECTANCE, Texture, luminance_weighted};
 use crate::watch::Cancelled;
+use glam::DVec2;
 use image::{ImageFormat, ImageReader};
 use std::collections::HashMap;
 use std::io::Cursor;
@@ -18,7 +19,20 @@ pub(super) struct Textures {
     pub(super) list: Vec<Texture>,
     known: HashMap<Use, Result<u32, String>>,
     means: HashMap<PathBuf, Result<[f64; 3], String>>,
+    perforated: HashMap<(Option<u32>, Use, Channel), Result<Option<u32>, String>>,
 }
+
+/// Which channel of an image tells how opaque it is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+enum Channel {
+    /// Its alpha where that varies, else its brightness.
+    Whichever,
+    Alpha,
+    Brightness,
+}
+
+/// An image that is more opaque than this in the mean has no holes.
+const SOLID: f64 = 0.995;
 
 impl Textures {
     /// Index of an image of reflectances that a library names, decoded on first use; the error is the
@@ -37,6 +51,37 @@ impl Textures {
         index
     }
 
+    /// Index of `image`, or of plain white, with the holes of an image of opacities; `None` where that has none. The error
+    /// is the reason in a few words.
+    pub(super) fn perforated(
+        &mut self,
+        image: Option<u32>,
+        holes: &Map,
+        library: &Path,
+        files: Files<'_>,
+    ) -> Result<Option<u32>, String> {
+        let path = files.image(&holes.image, library).map_err(|error| reason(&error))?;
+        let channel = match holes.others.iter().find_map(|option| option.strip_prefix("-imfchan ")) {
+            Some("m") => Channel::Alpha,
+            Some("l" | "r" | "g" | "b") => Channel::Brightness,
+            _ => Channel::Whichever,
+        };
+        let range = holes.range.map(|range| range.map(f64::to_bits));
+        let key = (image, (path, holes.clamped, range), channel);
+        if let Some(known) = self.perforated.get(&key) {
+            return known.clone();
+        }
+        let found = linear(&key.1.0, files).map(|read| {
+            let opacity = read.opacities(channel, holes.range);
+            let base = image.and_then(|index| self.list.get(index as usize));
+            let texture = perforated(base, (holes, read.width, read.height), opacity)?;
+            self.list.push(texture);
+            Some(self.list.len() as u32 - 1)
+        });
+        self.perforated.insert(key, found.clone());
+        found
+    }
+
     /// Mean of an image of emissions per band, 0 or more.
     pub(super) fn mean(&mut self, map: &Map, library: &Path, files: Files<'_>) -> Result<[f64; 3], String> {
         let path = files.image(&map.image, library).map_err(|error| reason(&error))?;
@@ -52,6 +97,53 @@ struct Linear {
     width: u32,
     height: u32,
     pixels: Vec<[f32; 3]>,
+    /// Empty where it is opaque everywhere, or says to be invisible.
+    alpha: Vec<f32>,
+}
+
+/// An image, or white of the size of the opacities, with these; `None` where they leave it whole.
+fn perforated(
+    base: Option<&Texture>,
+    (map, width, height): (&Map, u32, u32),
+    opacity: Vec<f32>,
+) -> Option<Texture> {
+    let holes = Texture {
+        name: map.image.clone(),
+        width,
+        height,
+        clamped: map.clamped,
+        mean: [1.0; 3],
+        pixels: vec![[1.0; 3]; opacity.len()],
+        opacity,
+    };
+    let mut texture = match base {
+        None => holes,
+        Some(base) => {
+            let (w, h) = (base.width, base.height);
+            let at = |index: u32| {
+                let (x, y) = (f64::from(index % w) + 0.5, f64::from(index / w) + 0.5);
+                holes.opacity_at(DVec2::new(x / f64::from(w), 1.0 - y / f64::from(h)))
+            };
+            Texture { opacity: (0..w * h).map(at).collect(), ..base.clone() }
+        }
+    };
+    texture.mean = mean(&texture.pixels, &texture.opacity);
+    let whole =
+        texture.opacity.iter().map(|&o| f64::from(o)).sum::<f64>() / texture.opacity.len().max(1) as f64;
+    (whole < SOLID).then_some(texture)
+}
+
+/// Mean of pixels per band, each by its opacity, where there are any.
+fn mean(pixels: &[[f32; 3]], opacity: &[f32]) -> [f64; 3] {
+    let (mut sum, mut weights) = ([0.0; 3], 0.0);
+    for (index, pixel) in pixels.iter().enumerate() {
+        let weight = opacity.get(index).map_or(1.0, |&o| f64::from(o));
+        weights += weight;
+        for band in 0..3 {
+            sum[band] += weight * f64::from(pixel[band]);
+        }
+    }
+    if weights > 0.0 { sum.map(|sum| sum / weights) } else { [0.0; 3] }
 }
 
 /// Reads an image on a thread of its own: whoever cancels is not to wait for a large one.
@@ -74,7 +166,7 @@ fn decode(path: &Path, bytes: &[u8]) -> Result<Linear, String> {
     let mut failure = format!("its format is not known; {FORMATS}");
     for format in formats {
         match ImageReader::with_format(Cursor::new(bytes), format).decode() {
-            Ok(image) => return Linear::of(&image.to_rgb8()),
+            Ok(image) => return Linear::of(&image.to_rgba8()),
             // The image crate's messages may run over several lines.
             Err(error) => {
                 failure = error.to_string().split_whitespace().collect::<Vec<_>>().join(" ");
@@ -85,7 +177,7 @@ fn decode(path: &Path, bytes: &[u8]) -> Result<Linear, String> {
 }
 
 impl Linear {
-    fn of(image: &image::RgbImage) -> Result<Self, String> {
+    fn of(image: &image::RgbaImage) -> Result<Self, String> {
         let (width, height) = image.dimensions();
         if width == 0 || height == 0 {
             return Err("it has no pixels".to_owned());
@@ -94,8 +186,19 @@ impl Linear {
         for (code, value) in linear.iter_mut().enumerate() {
             *value = srgb_to_linear(code as f64 / 255.0) as f32;
         }
-        let pixels = image.pixels().map(|pixel| pixel.0.map(|code| linear[usize::from(code)])).collect();
-        Ok(Self { width, height, pixels })
+        let colour = |pixel: &image::Rgba<u8>| {
+            let [r, g, b, _] = pixel.0;
+            [r, g, b].map(|code| linear[usize::from(code)])
+        };
+        let pixels = image.pixels().map(colour).collect();
+        let alphas = || image.pixels().map(|pixel| pixel.0[3]);
+        // Some programs write an alpha of zero everywhere and do not mean it.
+        let says_something = alphas().any(|alpha| alpha < u8::MAX) && alphas().any(|alpha| alpha > 0);
+        let alpha = match says_something {
+            true => alphas().map(|alpha| f32::from(alpha) / 255.0).collect(),
+            false => Vec::new(),
+        };
+        Ok(Self { width, height, pixels, alpha })
     }
 
     /// An image of reflectances, capped at [`MAX_REFLECTANCE`] as those of plain materials are.
@@ -104,25 +207,43 @@ impl Linear {
         for value in self.pixels.iter_mut().flatten() {
             *value = (base + gain * f64::from(*value)).clamp(0.0, MAX_REFLECTANCE) as f32;
         }
+        let mean_alpha =
+            self.alpha.iter().map(|&a| f64::from(a)).sum::<f64>() / self.alpha.len().max(1) as f64;
+        let opacity = if mean_alpha < SOLID { self.alpha } else { Vec::new() };
         Texture {
-            mean: self.mean(),
+            mean: mean(&self.pixels, &opacity),
             name: map.image.clone(),
             width: self.width,
             height: self.height,
             clamped: map.clamped,
             pixels: self.pixels,
+            opacity,
+        }
+    }
+
+    /// How opaque each pixel is. Brightness counts by the code as it is written, which is how programs mean it.
+    fn opacities(&self, channel: Channel, range: Option<[f64; 2]>) -> Vec<f32> {
+        let by_alpha = channel == Channel::Alpha || channel == Channel::Whichever && !self.alpha.is_empty();
+        let [base, gain] = range.unwrap_or([0.0, 1.0]);
+        let within = |value: f32| (base + gain * f64::from(value)).clamp(0.0, 1.0) as f32;
+        match by_alpha {
+            true if self.alpha.is_empty() => vec![1.0; self.pixels.len()],
+            true => self.alpha.iter().map(|&alpha| within(alpha)).collect(),
+            false => {
+                let brightness = |p: &[f32; 3]| luminance_weighted(p.map(f64::from));
+                self.pixels.iter().map(|p| within(linear_to_srgb(brightness(p)) as f32)).collect()
+            }
         }
     }
 
     fn mean(&self) -> [f64; 3] {
-        let mut sum = [0.0; 3];
-        for pixel in &self.pixels {
-            for band in 0..3 {
-                sum[band] += f64::from(pixel[band]);
-            }
-        }
-        sum.map(|sum| sum / self.pixels.len().max(1) as f64)
+        mean(&self.pixels, &[])
     }
+}
+
+/// IEC 61966-2-1, the other way.
+fn linear_to_srgb(linear: f64) -> f64 {
+    if linear <= 0.003_130_8 { 12.92 * linear } else { 1.055 * linear.powf(1.0 / 2.4) - 0.055 }
 }
 
 /// IEC 61966-2-1.

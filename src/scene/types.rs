@@ -128,6 +128,12 @@ impl Scene {
         super::selection::named(self, name)
     }
 
+    /// Whether a material has holes where its image is transparent.
+    pub fn has_holes(&self, material: u32) -> bool {
+        let texture = self.materials.get(material as usize).and_then(|material| material.texture);
+        texture.and_then(|t| self.textures.get(t as usize)).is_some_and(Texture::has_holes)
+    }
+
     /// Index of the view with this name: exact first, then ignoring capitals, underscores and blanks.
     pub fn view_named(&self, name: &str) -> Option<usize> {
         let exact = self.views.iter().position(|v| v.name == name);
@@ -285,10 +291,12 @@ pub struct Texture {
     pub height: u32,
     /// Whether its border goes on beyond it; it is repeated otherwise.
     pub clamped: bool,
-    /// Mean of all pixels per band.
+    /// Mean of all pixels per band, each by its opacity.
     pub mean: [f64; 3],
     /// Linear R, G, B in 0..1, `width * height` of them.
     pub pixels: Vec<[f32; 3]>,
+    /// Opacity of each pixel, 0..1; empty where there are no holes.
+    pub opacity: Vec<f32>,
 }
 
 impl Texture {
@@ -298,6 +306,28 @@ impl Texture {
         if self.pixels.is_empty() {
             return [1.0; 3];
         }
+        let [a, b, c, d] = self.around(uv);
+        std::array::from_fn(|k| {
+            let value = |(at, weight): (usize, f32)| weight * self.pixels[at][k];
+            value(a) + value(b) + value(c) + value(d)
+        })
+    }
+
+    /// Whether it has holes.
+    pub fn has_holes(&self) -> bool {
+        !self.opacity.is_empty()
+    }
+
+    /// Opacity at texture coordinates, 0 to 1, as [`Self::sample`] has the colour.
+    pub fn opacity_at(&self, uv: DVec2) -> f32 {
+        if self.opacity.is_empty() {
+            return 1.0;
+        }
+        self.around(uv).into_iter().map(|(at, weight)| weight * self.opacity[at]).sum()
+    }
+
+    /// The four pixels around texture coordinates, and how much each counts.
+    fn around(&self, uv: DVec2) -> [(usize, f32); 4] {
         let (w, h) = (i64::from(self.width), i64::from(self.height));
         let within = |x: f64| if self.clamped { x.clamp(0.0, 1.0) } else { x.rem_euclid(1.0) };
         let x = within(uv.x) * self.width as f64 - 0.5;
@@ -310,10 +340,14 @@ impl Texture {
         };
         let at = |di: i64, dj: i64| {
             let (col, row) = (pixel(i as i64 + di, w), pixel(j as i64 + dj, h));
-            self.pixels[(row * w + col) as usize]
+            (row * w + col) as usize
         };
-        let (a, b, c, d) = (at(0, 0), at(1, 0), at(0, 1), at(1, 1));
-        std::array::from_fn(|k| (a[k] * (1.0 - s) + b[k] * s) * (1.0 - t) + (c[k] * (1.0 - s) + d[k] * s) * t)
+        [
+            (at(0, 0), (1.0 - s) * (1.0 - t)),
+            (at(1, 0), s * (1.0 - t)),
+            (at(0, 1), (1.0 - s) * t),
+            (at(1, 1), s * t),
+        ]
     }
 }
 

@@ -17,7 +17,8 @@ const PROBES: usize = 12;
 /// - colour bands: the sweeps' time, less that of the passes over the rows that one band needs;
 /// - two-sided surfaces: the share of backs in the time of rows and sweeps;
 /// - translucency: the share of the patches that pass light in the time of sweeps;
-/// - glass: the rows' time, less the share of it that they take without panes, from a few rows.
+/// - glass and holes: the rows' time, less the share of it that they take without panes, from a few rows; by their counts
+///   where there are both.
 ///
 /// Textures and smooth surfaces take nothing from a solve: one is read while meshing, one at display.
 pub fn measured(prepared: &Prepared, lamps: usize, timings: &Timings) -> EffectPlan {
@@ -47,8 +48,11 @@ fn costs(
                 let backs = mesh.patches.iter().filter(|p| p.side == Side::Back).count();
                 (timings.rows + timings.sweeps) * backs as f64 / patches as f64
             }
-            Effect::Glass => {
+            Effect::Glass | Effect::Holes => {
+                let glass = mesh.panes.glass().count() as f64 / mesh.panes.list.len().max(1) as f64;
+                let own = if effect == Effect::Glass { glass } else { 1.0 - glass };
                 timings.rows
+                    * own
                     * share_of(computer, |scratch, patch| {
                         drop(without_glass.row(patch, scratch));
                     })

@@ -31,6 +31,12 @@ pub enum PipelineError {
         /// How many patches would fit.
         fitting: usize,
     },
+    /// Some of what was computed is no number.
+    #[error(
+        "the light of {0} patches came out as no number, which is a fault of this program: another number of patches \
+         (--patches) may help; please report it with the model"
+    )]
+    NotFinite(usize),
 }
 
 impl From<mesh::MeshError> for PipelineError {

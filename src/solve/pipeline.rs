@@ -261,6 +261,7 @@ pub(super) fn prepare_watched(
         textures: !settings.effects.without.contains(&Effect::Textures),
         glass: !settings.effects.without.contains(&Effect::Glass),
         translucency: !settings.effects.without.contains(&Effect::Translucency),
+        holes: !settings.effects.without.contains(&Effect::Holes),
         refinement: settings.refinement.clone(),
     };
     let (survey, mut cutting) = match survey.filter(|survey| survey.serves(&mesh_settings)) {
@@ -455,7 +456,13 @@ impl<'a> Run<'a> {
                 true,
             )?;
         }
-        Ok((solver.bases(system), reports))
+        let bases = solver.bases(system);
+        let columns = system.columns().max(1);
+        let is_broken = |own: &&[f32]| own.iter().any(|value| !value.is_finite());
+        match bases.values.chunks(columns).filter(is_broken).count() {
+            0 => Ok((bases, reports)),
+            broken => Err(PipelineError::NotFinite(broken)),
+        }
     }
 }
 

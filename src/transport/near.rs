@@ -29,10 +29,8 @@ const GAP: f64 = 5e-4;
 /// that would not cost more than those.
 pub(super) fn is_close(a: &Patch, b: &Patch) -> bool {
     let reach = CLOSE * (a.radius + b.radius);
-    !a.is_cluster
-        && !b.is_cluster
-        && a.region != b.region
-        && a.centre.distance_squared(b.centre) < reach * reach
+    let is_plain = |patch: &Patch| !patch.is_cluster && patch.opacity >= 1.0;
+    is_plain(a) && is_plain(b) && a.region != b.region && a.centre.distance_squared(b.centre) < reach * reach
 }
 
 /// Within this many times the sum of their radii the two samples of a pair may differ in more than noise.

@@ -114,7 +114,8 @@ impl Occluders {
             let first_vertex = all.vertices.len() as u32;
             let first_edge = all.edges.len() as u32;
             let mut index_of = std::collections::HashMap::new();
-            for edge in &region.edges {
+            // Without an edge nothing meets it: what it hides, its panes hide in part.
+            for edge in region.edges.iter().filter(|_| !region.has_holes) {
                 let ends = edge.map(|p| {
                     *index_of.entry(p.to_array().map(f64::to_bits)).or_insert_with(|| {
                         let at = region.origin + region.frame.tangent * p.x + region.frame.bitangent * p.y;

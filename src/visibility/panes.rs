@@ -1,7 +1,7 @@
 //! What panes of glass leave of the light along a line.
 
 use crate::geometry::{Aabb, Bvh, Ray};
-use crate::mesh::{Pane, Panes, PatchMesh};
+use crate::mesh::{NO_PATCH, Pane, Panes, PatchMesh, Perforated};
 use crate::scene::luminance_weighted;
 use glam::DVec3;
 use std::sync::Arc;
@@ -15,6 +15,8 @@ pub struct Glass {
     owners: Arc<Vec<u32>>,
     /// Over the boxes of panes.
     boxes: Arc<Bvh>,
+    /// Whether some are surfaces with holes.
+    has_holes: bool,
 }
 
 /// A line meets each pane once, even on the diagonal of two triangles, of the first so many.
@@ -27,12 +29,21 @@ impl Glass {
         // A triangle without area that has the box of a pane.
         let boxes: Vec<[DVec3; 3]> =
             mesh.panes.list.iter().map(|pane| [pane.bounds.min, pane.bounds.max, pane.bounds.max]).collect();
+        let has_holes = mesh.panes.list.iter().any(|pane| pane.perforated.is_some());
         Self {
             panes: Arc::clone(&mesh.panes),
             tree: Arc::new(Bvh::build(&triangles)),
             owners: Arc::new(owners),
             boxes: Arc::new(Bvh::build(&boxes)),
+            has_holes,
         }
+    }
+
+    /// Of a mesh, without surfaces with holes: for eyes, which see these themselves.
+    pub fn clear(mesh: &PatchMesh) -> Self {
+        let mut panes = Panes::clone(&mesh.panes);
+        panes.list.retain(|pane| pane.perforated.is_none());
+        Self::new(&PatchMesh { panes: Arc::new(panes), ..PatchMesh::default() })
     }
 
     /// Whether there is none.
@@ -65,7 +76,56 @@ impl Glass {
         if !pane.dims[usize::from(cos > 0.0)] {
             return [1.0; 3];
         }
-        self.panes.kinds[pane.kind as usize].transmittance(cos)
+        self.transmittance(pane, cos)
+    }
+
+    /// What a pane leaves of light at a cosine of the angle of incidence, in each band.
+    pub fn transmittance(&self, pane: &Pane, cos: f64) -> [f64; 3] {
+        match pane.perforated {
+            Some(Perforated { opacity, .. }) => [1.0 - opacity; 3],
+            None => self.panes.kinds[pane.kind as usize].transmittance(cos),
+        }
+    }
+
+    /// What a pane mirrors of it.
+    pub fn reflectance(&self, pane: &Pane, cos: f64) -> [f64; 3] {
+        match pane.perforated {
+            Some(_) => [0.0; 3],
+            None => self.panes.kinds[pane.kind as usize].reflectance(cos),
+        }
+    }
+
+    /// Calls `found` with each patch on a surface with holes that such a line meets, and what of its light, by luminance,
+    /// arrives: its opaque share of what the panes before it leave.
+    pub fn each_perforated(
+        &self,
+        origin: DVec3,
+        direction: DVec3,
+        [from, to]: [f64; 2],
+        mut found: impl FnMut(u32, f64),
+    ) {
+        if !self.has_holes {
+            return;
+        }
+        let mut met: Vec<(f64, u32)> = Vec::new();
+        self.tree.each(&Ray { origin, direction }, from, to, |hit| {
+            let pane = self.owners[hit.triangle as usize];
+            if met.len() < MOST_MET && met.iter().all(|known| known.1 != pane) {
+                met.push((hit.distance, pane));
+            }
+        });
+        met.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
+        let mut left = 1.0;
+        for (_, index) in met {
+            let pane = &self.panes.list[index as usize];
+            if let Some(Perforated { patches, opacity }) = pane.perforated {
+                let patch = patches[usize::from(pane.normal.dot(direction) > 0.0)];
+                if patch != NO_PATCH {
+                    found(patch, left * opacity);
+                }
+            }
+            left *= luminance_weighted(self.passed(pane, direction));
+        }
     }
 
     /// What is left in each band of light along a line from a point in a unit direction, of what comes from `from` to
@@ -109,7 +169,7 @@ impl Glass {
     ) {
         let dims = |triangle: u32| {
             let pane = &self.panes.list[self.owners[triangle as usize] as usize];
-            pane.dims[usize::from(pane.normal.dot(direction) > 0.0)]
+            pane.perforated.is_none() && pane.dims[usize::from(pane.normal.dot(direction) > 0.0)]
         };
         let (mut left, mut from) = (1.0, from);
         for _ in 0..MOST_MET {
@@ -135,7 +195,7 @@ impl Glass {
     pub fn mirrored(&self, origin: DVec3, direction: DVec3, [from, to]: [f64; 2]) -> f64 {
         let dims = |triangle: u32| {
             let pane = &self.panes.list[self.owners[triangle as usize] as usize];
-            pane.dims[usize::from(pane.normal.dot(direction) > 0.0)]
+            pane.perforated.is_none() && pane.dims[usize::from(pane.normal.dot(direction) > 0.0)]
         };
         let hit = self.tree.nearest_where(&Ray { origin, direction }, from, to, dims);
         hit.map_or(0.0, |hit| {

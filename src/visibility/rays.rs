@@ -17,6 +17,8 @@ pub struct RayScene {
     dark: Vec<[bool; 2]>,
     /// For each triangle whether another surface lies on its back, so that this is never seen.
     backed: Vec<bool>,
+    /// For each triangle whether it has holes: it stands among the panes.
+    perforated: Vec<bool>,
     normals: Vec<DVec3>,
     /// Rays start this far off the surface, metres.
     offset: f64,
@@ -40,6 +42,10 @@ impl RayScene {
                 .map(|&p| mesh.regions[mesh.pieces[p as usize].region as usize].dark)
                 .collect(),
             backed: pieces.iter().map(|&p| mesh.pieces[p as usize].backed).collect(),
+            perforated: pieces
+                .iter()
+                .map(|&p| mesh.regions[mesh.pieces[p as usize].region as usize].has_holes)
+                .collect(),
             normals: pieces
                 .iter()
                 .map(|&p| mesh.regions[mesh.pieces[p as usize].region as usize].frame.normal)
@@ -99,6 +105,7 @@ impl RayScene {
         if let Some(patch) = met {
             add(patch, self.glass.luminous(ray.origin, ray.direction, range));
         }
+        self.glass.each_perforated(ray.origin, ray.direction, range, &mut add);
         self.glass.each_mirror(ray.origin, ray.direction, range, |from, mirrored, share| {
             if let Some((patch, _, distance)) = self.hit(from, mirrored).filter(|met| met.0 != NO_PATCH) {
                 let way = [self.offset, distance - self.offset];
@@ -178,6 +185,7 @@ impl RayScene {
 
     /// Whether the side of a triangle that a ray in this direction meets can be seen.
     fn is_shown(&self, triangle: u32, direction: DVec3) -> bool {
-        !(self.backed[triangle as usize] && self.normals[triangle as usize].dot(direction) > 0.0)
+        let t = triangle as usize;
+        !self.perforated[t] && !(self.backed[t] && self.normals[t].dot(direction) > 0.0)
     }
 }

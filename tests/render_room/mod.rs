@@ -42,6 +42,7 @@ impl Room {
             })
             .collect();
         let checks = Texture {
+            opacity: Vec::new(),
             name: "checks".to_owned(),
             width: 8,
             height: 8,

@@ -1,8 +1,16 @@
 //! Direct light by few rays, where what hides it is too much to be cut out.
 
 use super::{DirectLight, FEW_RAYS, Scratch, along_for};
-use crate::emitters::Source;
+use crate::direct::Clipper;
+use crate::direct::behind::Behind;
+use crate::emitters::{Emitter, HalfSpace, Source};
 use glam::DVec3;
+
+/// Among more panes than this, leaves and fabrics with holes, what they leave is looked at by rays.
+const MOST_PANES: usize = 8;
+/// One ray to each visible fragment, and so many where it gives more than this of a unit of exitance.
+const RAYS_AMONG_PANES: f64 = 4.0;
+const MUCH_AMONG_PANES: f64 = 2e-2;
 
 impl DirectLight {
     /// As [`Self::gather`], of all emitters and by few rays: more to those that would give the more.
@@ -53,6 +61,40 @@ impl DirectLight {
             };
             add(&self.emitters.sources[index as usize], share.map(|share| share * value));
         }
+    }
+
+    /// Irradiance from the visible fragments of an emitter, in each band what the panes before it leave.
+    pub(super) fn through(
+        &self,
+        panes: &[u32],
+        emitter: &dyn Emitter,
+        (point, normal): (DVec3, DVec3),
+        limit: HalfSpace,
+        (clipper, behind): (&Clipper, &mut Behind),
+    ) -> [f64; 3] {
+        if panes.is_empty() {
+            return [clipper.fragments().map(|f| emitter.irradiance(normal, f)).sum(); 3];
+        }
+        if panes.len() <= MOST_PANES {
+            behind.start(clipper.fragments());
+            behind.divide(&self.glass, panes, point, (limit, self.thickness));
+            return behind.irradiance(&self.glass, emitter, normal);
+        }
+        // Among the leaves of a tree by rays.
+        let mut sum = [0.0; 3];
+        for fragment in clipper.fragments() {
+            let value = emitter.irradiance(normal, fragment);
+            let along = |to: DVec3| {
+                let length = to.length();
+                self.glass.along(point, to / length, [self.thickness, length - self.thickness])
+            };
+            let left = match value > MUCH_AMONG_PANES {
+                true => mean_over_outline(fragment, RAYS_AMONG_PANES, along),
+                false => along(fragment.iter().sum::<DVec3>() / fragment.len() as f64),
+            };
+            sum.iter_mut().zip(left).for_each(|(sum, left)| *sum += value * left);
+        }
+        sum
     }
 
     /// The share of an outline that is seen from a point, in each band what glass leaves of it, by rays.

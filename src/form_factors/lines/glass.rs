@@ -3,12 +3,15 @@
 use super::{Fan, Interval, LineSampler, SHORTEST, Viewpoint, weight_of};
 use crate::form_factors::RowBuffer;
 use crate::geometry::Frame;
+use crate::mesh::{NO_PATCH, Perforated};
 use crate::scene::luminance_weighted;
 use crate::visibility::{Glass, Occluders};
 use glam::DVec3;
 
 /// Spans are cut into parts of so much x, of 2 over the whole hemisphere: what passes then is right to 3e-4 (tested).
 const LONGEST: f64 = 0.25;
+/// Among more panes than this on a half-plane the order in the middle between two edges stands for all.
+const MANY: usize = 8;
 /// What a pane of a smaller form factor mirrors is left out.
 const LEAST_MIRROR: f64 = 5e-4;
 
@@ -38,6 +41,9 @@ impl LineSampler {
     ) -> f64 {
         if self.before.is_empty() {
             return weight;
+        }
+        if !self.profile.is_empty() {
+            return self.profile.dimmed(interval, [start, end], weight);
         }
         let mut sum = 0.0;
         let mut from = start;
@@ -73,11 +79,12 @@ impl LineSampler {
                             let Some((index, to_plane)) = self.seen[pane.seen as usize].pane else {
                                 continue;
                             };
-                            let kind = glass.panes().list[index as usize].kind;
                             let cos = pane.w(x) * to_plane / length;
-                            let kind = &glass.panes().kinds[kind as usize];
-                            let own =
-                                if self.is_mirror { kind.reflectance(cos) } else { kind.transmittance(cos) };
+                            let pane = &glass.panes().list[index as usize];
+                            let own = match self.is_mirror {
+                                true => glass.reflectance(pane, cos),
+                                false => glass.transmittance(pane, cos),
+                            };
                             passed.iter_mut().zip(own).for_each(|(passed, own)| *passed *= own);
                         }
                         luminance_weighted(passed)
@@ -93,8 +100,12 @@ impl LineSampler {
     }
 
     /// Notes which parts of the panes on the half-plane at hand are seen: nothing solid stands before them.
-    pub(super) fn note_open_panes(&mut self, line: u32) {
+    pub(super) fn note_open_panes(&mut self, glass: &Glass, line: u32) {
         for pane in &self.before {
+            // Among many only glass is looked at, which mirrors.
+            if !self.profile.is_empty() && self.perforated(glass, pane.seen).is_some() {
+                continue;
+            }
             let mut from = pane.start;
             while from < pane.end {
                 let mut to = pane.end;
@@ -116,6 +127,51 @@ impl LineSampler {
                 from = to;
             }
         }
+    }
+
+    /// Hands the visible parts of surfaces with holes on a half-plane to their patches: their opaque share, less what panes
+    /// before them take.
+    pub(super) fn add_perforated(&mut self, glass: &Glass, line: u32) {
+        let has_patch = |&(patch, _): &(u32, f64)| patch != NO_PATCH;
+        let mut pieces = std::mem::take(&mut self.pieces);
+        if self.profile.is_empty() {
+            let first = self.open.partition_point(|open| open.0 < line);
+            for (_, part) in &self.open[first..] {
+                if let Some((patch, opacity)) = self.perforated(glass, part.seen).filter(has_patch) {
+                    let weight = weight_of(part.end) - weight_of(part.start);
+                    let share = self.dimmed(glass, part, [part.start, part.end], weight);
+                    pieces.push((patch, opacity * share, part.seen));
+                }
+            }
+        } else {
+            self.profile.each_open(&self.solid, |open| {
+                if let Some((patch, opacity)) = self.perforated(glass, open.seen).filter(has_patch) {
+                    pieces.push((patch, opacity * open.weight, open.seen));
+                }
+            });
+        }
+        self.pieces = pieces;
+    }
+
+    /// Of a surface with holes the patch that is seen, [`NO_PATCH`] where there is none, and the share that is opaque.
+    fn perforated(&self, glass: &Glass, seen: u32) -> Option<(u32, f64)> {
+        let seen = &self.seen[seen as usize];
+        let Perforated { patches, opacity } = glass.panes().list[seen.pane?.0 as usize].perforated?;
+        Some((patches[seen.side as usize], opacity))
+    }
+
+    /// Readies what the panes on the half-plane at hand leave, where they are many.
+    pub(super) fn profile_panes(&mut self, glass: &Glass) {
+        let mut profile = std::mem::take(&mut self.profile);
+        profile.clear();
+        if self.before.len() > MANY {
+            profile.build(&self.before, |pane, x| {
+                let Some((index, to_plane)) = self.seen[pane.seen as usize].pane else { return 1.0 };
+                let cos = pane.w(x) * to_plane / (0.5 * (1.0 + x * x)).sqrt();
+                luminance_weighted(glass.transmittance(&glass.panes().list[index as usize], cos))
+            });
+        }
+        self.profile = profile;
     }
 
     /// Adds what panes mirror to the row, each by its own angle: the spans that a receiver behind the pane would see
@@ -141,6 +197,9 @@ impl LineSampler {
                 continue;
             };
             let pane = &glass.panes().list[pane as usize];
+            if pane.perforated.is_some() {
+                continue;
+            }
             let mirrored = |v: DVec3| v - 2.0 * pane.normal.dot(v) * pane.normal;
             let point = from.point + 2.0 * to_plane * pane.normal;
             let [tangent, bitangent, normal] = [frame.tangent, frame.bitangent, frame.normal].map(mirrored);

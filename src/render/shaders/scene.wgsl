@@ -57,6 +57,15 @@ struct Lit {
     return highlighted(tone_map(texel * v.light * frame.exposure), v.patch_index);
 }
 
+// Nothing where the image is transparent.
+@fragment fn fs_perforated(v: Lit) -> @location(0) vec4f {
+    let texel = textureSample(reflectance_texture, reflectance_sampler, vec2f(v.uv.x, 1.0 - v.uv.y));
+    if texel.a < 0.5 {
+        discard;
+    }
+    return highlighted(tone_map(texel.rgb * v.light * frame.exposure), v.patch_index);
+}
+
 struct Valued {
     @builtin(position) clip: vec4f,
     @location(0) value: f32,
