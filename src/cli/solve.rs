@@ -386,6 +386,12 @@ pub(super) fn summary(solved: &Solution, seconds: f64) -> String {
                 text::significant(last.residual),
                 text::significant(last.error_bound),
             );
+            if last.error_bound > settings.tolerance {
+                told += &format!(
+                    "the tolerance of {} was not reached: what is left is the error above\n",
+                    text::significant(settings.tolerance)
+                );
+            }
             told += &format!(
                 "power as the lamps come: {} W emitted, {} W absorbed, {} W escaped\n",
                 text::significant(last.emitted),

@@ -92,7 +92,7 @@ pub(super) fn points_of(mesh: &PatchMesh, patch: &Patch, how: ReceivingPoints) -
     let most = if fine { MOST } else { 8 };
     if triangles.len() > most {
         // The largest, where areas that differ by rounding alone count as equal.
-        let unit = 1e-9 * patch.area;
+        let unit = 1e-9 * patch.outline_area();
         triangles.sort_by_key(|triangle| std::cmp::Reverse((triangle.1 / unit) as u64));
         triangles.truncate(most);
     }
@@ -120,7 +120,7 @@ pub(super) fn points_of(mesh: &PatchMesh, patch: &Patch, how: ReceivingPoints) -
 /// Points of a cluster, each with the frame of its facet, spread evenly over the area in the order of the facets.
 pub(super) fn points_of_cluster(mesh: &PatchMesh, patch: &Patch, count: u32) -> Vec<(DVec3, Frame)> {
     let mut points = Vec::with_capacity(count as usize);
-    let step = patch.area / f64::from(count.max(1));
+    let step = patch.outline_area() / f64::from(count.max(1));
     let (mut passed, mut next) = (0.0, 0.5 * step);
     for piece in mesh.pieces_of(patch) {
         passed += piece.area;
@@ -158,6 +158,8 @@ fn on_quad([a, b, c, d]: [DVec3; 4], rule: &[(f64, f64)]) -> Vec<(DVec3, f64)> {
 }
 
 fn shares(mut points: Vec<(DVec3, f64)>, patch: &Patch) -> Vec<(DVec3, f64)> {
+    // A point of what has no area stands for nothing, and must not be all that is left of a patch.
+    points.retain(|p| p.1 > 0.0);
     let total: f64 = points.iter().map(|p| p.1).sum();
     if total <= 0.0 {
         return vec![(patch.centre, 1.0)];
@@ -191,6 +193,26 @@ mod tests {
                     assert!((sum - exact).abs() < 1e-14, "x^{i} y^{j}: {sum} for {exact}");
                 }
             }
+        }
+    }
+
+    #[test]
+    fn no_point_stands_for_nothing() {
+        // Three corners in a line: the first triangle of the fan has no area.
+        let obj = "v 0 0 0\nv 1 0 0\nv 2 0 0\nv 2 2 0\nv 0 2 0\nf 1 2 3 4 5\n";
+        let scene = crate::scene::from_text("t", obj, "", None).expect("a scene");
+        let settings = crate::mesh::MeshSettings {
+            target: crate::mesh::PatchTarget::AsGiven,
+            ..crate::mesh::MeshSettings::default()
+        };
+        let mesh = crate::mesh::build(&scene, &settings).expect("a mesh");
+        let patch = &mesh.patches[0];
+        let fan = mesh.pieces_of(patch).map(|piece| mesh.corners_of(piece).len() - 2).sum::<usize>();
+        assert_eq!(fan, 3, "the corner in the edge is there");
+        for how in [ReceivingPoints::Four, ReceivingPoints::Sixteen] {
+            let points = points_of(&mesh, patch, how);
+            assert!(points.iter().all(|p| p.1 > 1e-6), "{points:?}");
+            assert!((points.iter().map(|p| p.1).sum::<f64>() - 1.0).abs() < 1e-12, "{points:?}");
         }
     }
 

@@ -42,7 +42,17 @@ struct Group {
     residual: Vec<Lanes>,
     /// The state before the last sweep, once there is one.
     before: Option<State>,
+    /// Largest residual of any column over its largest radiosity.
+    error: f64,
+    /// Sweeps to come without a correction: the last one did not help.
+    plain: u32,
 }
+
+/// A sweep with its correction that leaves more than this of the residual is followed by so many without. Where some of
+/// what an aggregate holds can hardly follow, corrections and sweeps may undo each other for ever; plain sweeps converge
+/// whatever the scene.
+const STALLED: f64 = 0.8;
+const PLAIN: u32 = 8;
 
 /// Radiosities with what follows from them.
 #[derive(Clone, Debug)]
@@ -121,6 +131,8 @@ impl GaussSeidel {
                     irradiance: zeros.clone(),
                     residual: zeros,
                     before: None,
+                    error: f64::INFINITY,
+                    plain: 0,
                 }
             })
             .collect();
@@ -153,12 +165,16 @@ impl GaussSeidel {
     ) -> Option<SweepReport> {
         let (aggregates, balance) = (&self.aggregates, &self.balance);
         self.groups.par_iter_mut().for_each(|group| {
-            group.correct(transport, system, aggregates, balance);
+            let corrects = group.plain == 0;
+            if corrects {
+                group.correct(transport, system, aggregates, balance);
+            }
             group.relax(transport, system, cancelled);
             group.measure(transport, system, cancelled);
             // What was cut short has no residual to go by.
             if !cancelled() {
                 group.combine(system);
+                group.judge(corrects);
             }
         });
         if cancelled() {
@@ -274,6 +290,24 @@ impl Group {
             }
             radiosity
         });
+    }
+
+    /// Notes how far the sweep has come, and whether the next ones do better without a correction.
+    fn judge(&mut self, corrected: bool) {
+        let mut error: f64 = 0.0;
+        for lane in 0..self.columns.len() {
+            let largest = |of: &[Lanes]| of.iter().map(|value| value[lane].abs()).fold(0.0, f64::max);
+            let radiosity = largest(&self.radiosity);
+            if radiosity > 0.0 {
+                error = error.max(largest(&self.residual) / radiosity);
+            }
+        }
+        self.plain = match corrected {
+            true if error > STALLED * self.error => PLAIN,
+            true => 0,
+            false => self.plain.saturating_sub(1),
+        };
+        self.error = error;
     }
 
     /// Mixes the last two states, column by column, so that the residual becomes least: what a sweep leaves
