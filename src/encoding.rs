@@ -1,17 +1,35 @@
 //! Texts of files in whatever encoding they were written.
 
-use encoding_rs::{Encoding, WINDOWS_1252};
+use encoding_rs::{Encoding, UTF_16BE, UTF_16LE, WINDOWS_1252};
 use std::borrow::Cow;
 
-/// The text of a file: in UTF-8, in UTF-16 with a byte order mark, or else in Windows-1252, in which any
+/// The text of a file: in UTF-8, in UTF-16, or else in Windows-1252, in which any
 /// bytes are a text and different bytes are different characters.
 pub fn decode(bytes: &[u8]) -> Cow<'_, str> {
     if let Some((encoding, _)) = Encoding::for_bom(bytes) {
         return encoding.decode_with_bom_removal(bytes).0;
     }
+    if let Some(encoding) = utf_16(bytes) {
+        return encoding.decode_without_bom_handling(bytes).0;
+    }
     match std::str::from_utf8(bytes) {
         Ok(text) => Cow::Borrowed(text),
         Err(_) => WINDOWS_1252.decode_without_bom_handling(bytes).0,
+    }
+}
+
+/// UTF-16 without a mark is told by its zeros: the numbers and keywords of a model have one in every other byte, and no
+/// other encoding has any.
+fn utf_16(bytes: &[u8]) -> Option<&'static Encoding> {
+    const LOOKED_AT: usize = 4096;
+    let start = &bytes[..bytes.len().min(LOOKED_AT)];
+    let zeros = |odd: usize| start.iter().skip(odd).step_by(2).filter(|byte| **byte == 0).count();
+    let [even, odd] = [zeros(0), zeros(1)];
+    let most = 3 * start.len() / 8;
+    match (even, odd) {
+        (0, odd) if odd > most => Some(UTF_16LE),
+        (even, 0) if even > most => Some(UTF_16BE),
+        _ => None,
     }
 }
 
@@ -30,6 +48,9 @@ mod tests {
         };
         assert_eq!(decode(&utf16(true)), "v ö 🏠");
         assert_eq!(decode(&utf16(false)), "v ö 🏠");
+        let unmarked = "v 1 0 0\nv ö".encode_utf16();
+        assert_eq!(decode(&unmarked.clone().flat_map(u16::to_le_bytes).collect::<Vec<u8>>()), "v 1 0 0\nv ö");
+        assert_eq!(decode(&unmarked.flat_map(u16::to_be_bytes).collect::<Vec<u8>>()), "v 1 0 0\nv ö");
         assert_eq!(decode(b"\xef\xbb\xbfv 1"), "v 1");
         // Half a character at the end is no reason to refuse.
         assert!(decode(&utf16(true)[..5]).starts_with('v'));

@@ -277,7 +277,7 @@ impl<'a> Witness<'a> {
         let piece = &self.mesh.pieces[self.pieces[triangle as usize] as usize];
         let region = &self.mesh.regions[piece.region as usize];
         // What has holes stands among the panes.
-        !region.has_holes && !(piece.backed && region.frame.normal.dot(direction) > 0.0)
+        !(region.has_holes || piece.backed && region.frame.normal.dot(direction) > 0.0)
     }
 
     fn triangles_of(&self, patch: u32) -> &[(u32, f64)] {

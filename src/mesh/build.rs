@@ -175,7 +175,7 @@ pub fn build_on(
     let as_given = settings.target == PatchTarget::AsGiven;
 
     // 1. Choose the patch size and cut.
-    let lamps = Lamps::new(scene, outlines, &sides, size);
+    let lamps = Lamps::new(scene, (outlines, &survey.panes), &sides, size);
     let mut finer = Finer::new(lamps, settings.refinement.as_deref());
     let sizing = sizing::patch_size(scene, settings.target, outlines, &sides, &mut finer)?;
     let patch_size = sizing.edge;

@@ -5,6 +5,7 @@
 //! one spot can outweigh the error of all the rest of the scene, however many patches the rest has. Cells
 //! are halved until none of them adds more than a set share to the squares of the error.
 
+use super::panes::{Pane, Panes};
 use super::pieces::{Cut, Grid};
 use super::refinement::Wishes;
 use super::regions::Outline;
@@ -20,6 +21,12 @@ use std::f64::consts::{PI, SQRT_2};
 /// Measured in the embedded gallery with direct light on 150,000 elements (audited error of the irradiance as shown): 5,143
 /// patches without halving 18 %; 5,447 with 10,000 for this number 12 %, 7,309 with 2,500 9 %.
 const UNEVEN: f64 = 2500.0;
+
+/// A window lights the room before it far more evenly than what stands around it: so much of its light asks for smaller
+/// cells. Measured in an office with two windows, error inside under three skies: with none of it 4.2, 6.1 and 4.4 %, with
+/// 0.1 3.0, 5.3 and 4.0 %, with 1 3.0, 4.8 and 3.8 %; the embedded house by day has 12,407 patches with none, 13,017 with
+/// 0.1, half as many again with 1.
+const BESIDE_WINDOWS: f64 = 0.1;
 
 /// No cell gets shorter by halving than this share of the patch size.
 const SHORTEST: f64 = 1.0 / 64.0;
@@ -69,7 +76,12 @@ pub(super) struct Leaf {
 impl Lamps {
     /// The lamps of a scene at full output, switched on or not: a mesh serves all their states.
     /// `sides` says which front and back of each outline take part.
-    pub(super) fn new(scene: &Scene, outlines: &[Outline], sides: &[[bool; 2]], scene_size: f64) -> Self {
+    pub(super) fn new(
+        scene: &Scene,
+        (outlines, panes): (&[Outline], &Panes),
+        sides: &[[bool; 2]],
+        scene_size: f64,
+    ) -> Self {
         let (mut faces, mut boxes) = (Vec::new(), Vec::new());
         let (mut flux, mut area) = (0.0, 0.0);
         for (outline, sides) in outlines.iter().zip(sides) {
@@ -107,11 +119,31 @@ impl Lamps {
             flux += exitance * source.area;
             faces.push(face);
         }
-        let mean = flux / area;
-        if !(mean > 0.0 && mean.is_finite()) {
+        // Each kind over its own mean: lamps are there at night, too.
+        let over_mean = |faces: &mut [LampFace], flux: f64, share: f64| {
+            let mean = flux / area;
+            let factor = if mean > 0.0 && mean.is_finite() { share / mean } else { 0.0 };
+            faces.iter_mut().for_each(|face| face.flux *= factor);
+            factor > 0.0
+        };
+        let lamps = over_mean(&mut faces, flux, 1.0);
+        // By day a window is a lamp for its sill and reveals.
+        let is_day = scene.outdoors.is_some();
+        let window = |pane: &Pane| LampFace {
+            corners: pane.corners.clone(),
+            normal: pane.normal,
+            both: true,
+            area: pane.area(),
+            flux: pane.area(),
+        };
+        let mut windows: Vec<LampFace> = panes.glass().filter(|_| is_day).map(window).collect();
+        boxes.extend(panes.glass().filter(|_| is_day).map(|p| [p.bounds.min, p.bounds.max, p.bounds.max]));
+        let flux = windows.iter().map(|face| face.flux).sum();
+        let windows_shine = over_mean(&mut windows, flux, BESIDE_WINDOWS);
+        faces.append(&mut windows);
+        if !(lamps || windows_shine) {
             return Self::default();
         }
-        faces.iter_mut().for_each(|face| face.flux /= mean);
         Self { faces, tree: Bvh::build(&boxes), area, contact: 1e-6 * scene_size }
     }
 

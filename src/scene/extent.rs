@@ -174,7 +174,7 @@ pub(super) fn report(scene: &Scene, extent: &Extent, findings: &mut Vec<Finding>
         of_object.entry(object).or_default().push(index);
     }
     let kept = "it stays in the light; views and tolerances follow the rest of the model";
-    const NAMED: usize = 8;
+    const NAMED: usize = 3;
     for object in objects.iter().take(NAMED) {
         let faces = &of_object[object];
         let bounds = faces.iter().fold(Aabb::EMPTY, |sum, &face| {

@@ -19,6 +19,7 @@ use glam::{DVec2, DVec3};
 use std::collections::HashMap;
 use std::io;
 use std::path::{Path, PathBuf};
+use std::time::Duration;
 
 /// Shares of the time by which the text is scanned, images are decoded, the text is parsed and the polygons are
 /// repaired, about; the rest goes into lamps and views.
@@ -88,7 +89,11 @@ pub fn sidecar_path(obj: &Path) -> PathBuf {
 }
 
 fn load_file(path: &Path, choice: FrameChoice, watch: &mut Watch<'_>) -> Result<Scene, SceneError> {
-    let bytes = read_complete(path).map_err(|error| SceneError::reading(path, &error))?;
+    let mut bytes = read_complete(path).map_err(|error| SceneError::reading(path, &error))?;
+    // A line that ends nowhere may be one that another program is writing, at its leisure.
+    while !bytes.ends_with(b"\n") && rests_soon(path, watch)? {
+        bytes = read_complete(path).map_err(|error| SceneError::reading(path, &error))?;
+    }
     let sidecar_path = sidecar_path(path);
     let sidecar = match read_complete(&sidecar_path) {
         Ok(bytes) => Some((display(&sidecar_path), crate::encoding::decode(&bytes).into_owned())),
@@ -108,6 +113,24 @@ fn load_file(path: &Path, choice: FrameChoice, watch: &mut Watch<'_>) -> Result<
         files: Files::Folder { folder, cancelled },
     };
     build(input, watch)
+}
+
+/// Waits until a file has not changed for a moment; whether it has changed meanwhile.
+fn rests_soon(path: &Path, watch: &Watch<'_>) -> Result<bool, SceneError> {
+    const MOMENT: Duration = Duration::from_millis(700);
+    const LOOK: Duration = Duration::from_millis(20);
+    let changed = || std::fs::metadata(path).and_then(|file| file.modified()).ok();
+    let before = changed();
+    while before.is_some_and(|at| at.elapsed().is_ok_and(|age| age < MOMENT)) {
+        if watch.cancelled()() {
+            return Err(SceneError::Cancelled);
+        }
+        if changed() != before {
+            return Ok(true);
+        }
+        std::thread::sleep(LOOK);
+    }
+    Ok(false)
 }
 
 /// The file's own name: short enough for a sentence, and unmistakable beside the scene's.

@@ -7,7 +7,7 @@ use super::lookup::{Files, Found, reason};
 use super::map::Map;
 use super::names;
 use super::tally::Remarks;
-use super::text::{keyword, listed, logical_lines, number, uncommented, unquoted, words};
+use super::text::{keyword, listed, logical_lines, lowered, number, uncommented, unquoted, words};
 use std::collections::{HashMap, HashSet};
 use std::path::{Path, PathBuf};
 
@@ -117,7 +117,7 @@ impl Index {
             given: by(&|block| block.given.clone()),
             plain: by(&|block| block.name.clone()),
             uncommented: by(&|block| unquoted(uncommented(&block.given)).to_owned()),
-            lower: by(&|block| block.name.to_lowercase()),
+            lower: by(&|block| lowered(&block.name)),
         }
     }
 
@@ -132,7 +132,7 @@ impl Index {
             .or_else(|| self.plain.get(plain))
             .or_else(|| self.plain.get(unquoted(uncommented(used))))
             .or_else(|| self.uncommented.get(plain));
-        let alike = || self.lower.get(&plain.to_lowercase()).map(|&number| (number, true));
+        let alike = || self.lower.get(&lowered(plain)).map(|&number| (number, true));
         same.map(|&number| (number, false)).or_else(alike)
     }
 }

@@ -1,5 +1,6 @@
 //! Where the files that a model names are looked for.
 
+use super::text::lowered;
 use crate::watch::{self, Cancelled};
 use std::io;
 use std::path::{Path, PathBuf};
@@ -111,9 +112,9 @@ fn in_any_case(folder: &Path, name: &str) -> Option<PathBuf> {
             continue;
         }
         let entries = std::fs::read_dir(if path.as_os_str().is_empty() { Path::new(".") } else { &path });
-        let wanted = part.to_lowercase();
+        let wanted = lowered(part);
         let alike = |entry: &std::ffi::OsString| {
-            crate::encoding::decode(entry.as_encoded_bytes()).to_lowercase() == wanted
+            lowered(&crate::encoding::decode(entry.as_encoded_bytes())) == wanted
         };
         // The first by name, for the same answer on every system.
         path.push(entries.ok()?.flatten().map(|entry| entry.file_name()).filter(alike).min()?);

@@ -2,6 +2,7 @@
 
 use super::names;
 use std::borrow::Cow;
+use unicode_normalization::UnicodeNormalization;
 
 /// Splits text into logical lines: continuations joined, each with its (first) number from one. A comment
 /// ends with its line, whatever its last character.
@@ -82,14 +83,27 @@ pub(super) fn listed(list: &str) -> Vec<&str> {
     found
 }
 
-/// A name as it is compared where its exact form is not found: in lower case, underscores as blanks.
+/// A name as it is compared where its exact form is not found: in lower case, underscores and hyphens as blanks, accents
+/// written in one way.
 pub(super) fn folded(name: &str) -> String {
-    name.to_lowercase().replace('_', " ").split_whitespace().collect::<Vec<_>>().join(" ")
+    lowered(name).replace(['_', '-'], " ").split_whitespace().collect::<Vec<_>>().join(" ")
+}
+
+/// A name in lower case, its accents composed with their letters: some systems write them apart.
+pub(super) fn lowered(name: &str) -> String {
+    name.nfc().collect::<String>().to_lowercase()
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn names_are_alike_whatever_their_accents_blanks_and_capitals() {
+        assert_eq!(folded("Stehlampe_Büro"), folded("stehlampe bu\u{308}ro"));
+        assert_eq!(folded("LAMP-STUDY"), folded("Lamp study"));
+        assert_ne!(folded("büro"), folded("buro"));
+    }
 
     #[test]
     fn lines_are_continued_and_comments_are_not() {

@@ -13,13 +13,16 @@ use std::path::{Path, PathBuf};
 /// An image file and how it is used: whether it is clamped, and the bits of its range.
 type Use = (PathBuf, bool, Option<[u64; 2]>);
 
+/// The image that gets holes, how the image that tells them is used, and by which channel.
+type Perforation = (Option<u32>, Use, Channel);
+
 /// Decoded images, each file once for every way in which it is used.
 #[derive(Debug, Default)]
 pub(super) struct Textures {
     pub(super) list: Vec<Texture>,
     known: HashMap<Use, Result<u32, String>>,
     means: HashMap<PathBuf, Result<[f64; 3], String>>,
-    perforated: HashMap<(Option<u32>, Use, Channel), Result<Option<u32>, String>>,
+    perforated: HashMap<Perforation, Result<Option<u32>, String>>,
 }
 
 /// Which channel of an image tells how opaque it is.

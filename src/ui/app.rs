@@ -100,6 +100,8 @@ pub struct App {
     pub(super) last_change: String,
     /// What was asked for and is neither read nor refused yet.
     pub(super) opening: Option<Asked>,
+    /// The last one that was asked for, whether it could be read or not.
+    pub(super) asked_for: Option<SceneSource>,
     /// What the title bar says.
     pub(super) title: String,
     pub(super) auditor: Auditor,
@@ -165,6 +167,13 @@ pub(super) struct Stale {
 }
 
 impl App {
+    /// The same where this scene has been asked for.
+    #[must_use]
+    pub fn asking_for(mut self, source: SceneSource) -> Self {
+        self.asked_for = Some(source);
+        self
+    }
+
     /// A window on `worker`, as the user likes it.
     ///
     /// Without a graphics adapter (in tests) everything but the picture works.
@@ -206,6 +215,7 @@ impl App {
             notice: None,
             last_change: String::new(),
             opening: None,
+            asked_for: None,
             title: String::new(),
             auditor: Auditor::default(),
             doctor: Doctor::default(),

@@ -367,13 +367,12 @@ impl App {
     /// Opens a scene; the present one stays until the new one is ready, and if it fails.
     pub(super) fn open(&mut self, source: SceneSource) {
         (self.notice, self.dismissed) = (None, None);
+        let file = source.path().and_then(|path| path.file_name());
         let name = match &source {
-            SceneSource::File(path) | SceneSource::FileAs(path, _) => {
-                path.file_name().map(|n| n.to_string_lossy().into_owned())
-            }
-            SceneSource::Builtin(name) => Some(name.clone()),
+            SceneSource::Builtin(name) => name.clone(),
+            _ => file.map(|name| name.to_string_lossy().into_owned()).unwrap_or_default(),
         };
-        let name = name.unwrap_or_default();
+        self.asked_for = Some(source.clone());
         self.last_change = format!("opening {name}");
         let scene = self.snapshot.scene().map(Arc::downgrade).unwrap_or_default();
         let known_error = self.snapshot.error.clone();
@@ -389,7 +388,8 @@ impl App {
 
     pub(super) fn reload(&mut self) {
         let source = self.picture.prepared.as_ref().map(|p| p.scene.source.clone());
-        if let Some(source) = source {
+        // Nothing is shown where the one that was asked for could not be read.
+        if let Some(source) = source.or_else(|| self.asked_for.clone()) {
             self.open(source);
         }
     }

@@ -90,12 +90,12 @@ pub fn run(source: SceneSource, settings: SolveSettings, ceiling_lamps: bool) ->
     });
     let session = Arc::new(session.map_err(|error| UiError::Failed(error.to_string()))?);
     session.set_settings(settings);
-    session.open(source);
+    session.open(source.clone());
     let legacy = recovery::Legacy::default();
     let mut openings = 0;
     loop {
         openings += 1;
-        let shown = show_window(&session, &window, &legacy, ceiling_lamps && openings == 1);
+        let shown = show_window(&session, &window, &legacy, (&source, ceiling_lamps && openings == 1));
         let is_left = legacy.lock().unwrap_or_else(PoisonError::into_inner).is_some();
         if !is_left {
             return shown;
@@ -115,8 +115,9 @@ fn show_window(
     session: &Arc<Session>,
     window: &Arc<Mutex<Option<egui::Context>>>,
     legacy: &recovery::Legacy,
-    ceiling_lamps: bool,
+    (source, ceiling_lamps): (&SceneSource, bool),
 ) -> Result<(), UiError> {
+    let source = source.clone();
     let options = eframe::NativeOptions {
         viewport: egui::ViewportBuilder::default()
             .with_app_id("lumenwalk")
@@ -135,7 +136,7 @@ fn show_window(
         *window.lock().unwrap_or_else(PoisonError::into_inner) = Some(cc.egui_ctx.clone());
         let state = App::stored_state(cc.storage);
         has_opened.store(true, Ordering::Relaxed);
-        let app = App::new(cc, Box::new(Arc::clone(session)), state);
+        let app = App::new(cc, Box::new(Arc::clone(session)), state).asking_for(source);
         theme::leave_ground_to_the_clear(&cc.egui_ctx);
         fonts::use_those_of_the_system(&cc.egui_ctx);
         Ok(Box::new(app.with_legacy(Arc::clone(legacy)).with_ceiling_lamps(ceiling_lamps)))

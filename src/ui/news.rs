@@ -173,6 +173,10 @@ impl App {
             Some(error) if shown != Some(error) && self.dismissed.as_deref() != Some(error) => {
                 self.notice = Some(Notice { text: error.to_owned(), is_error: true, since: time });
                 self.worker_error = Some(error.to_owned());
+                if self.scene_shown.is_none() {
+                    // Once it is mended, or written to the end, it is read again.
+                    self.files.watch(self.asked_for.as_ref(), &[]);
+                }
                 match self.opening.take() {
                     Some(asked) => self.last_change = format!("{} was not opened", asked.name),
                     None if self.snapshot.stage == Stage::Failed => {

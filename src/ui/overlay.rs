@@ -150,7 +150,10 @@ pub(super) fn readout(ui: &egui::Ui, view: Rect, model: &Model<'_>, pick: &Pick,
         Some(lamp) => format!("{}  -  click to switch", shortened(&lamp.name, 36)),
         None => {
             let rho = crate::scene::luminance_weighted(rho);
-            format!("{}  -  reflectance {rho:.2}", shortened(material, 30))
+            let passed = mesh.translucence.at(id).map_or_else(String::new, |passing| {
+                format!("  -  passes {:.2}", crate::scene::luminance_weighted(passing.share))
+            });
+            format!("{}  -  reflectance {rho:.2}{passed}", shortened(material, 30))
         }
     };
     let distance = units::digits(pick.distance / scene.unit.metres());

@@ -16,6 +16,8 @@ pub enum Group {
     ClosedScenes,
     /// Whole solutions with a published or closed-form answer.
     Solutions,
+    /// Glass and cloth that light passes.
+    Panes,
     /// Lamps: small, hidden, weak, many.
     Lamps,
     /// Units, places, turns: what must not matter.
@@ -24,12 +26,13 @@ pub enum Group {
 
 impl Group {
     /// All groups in their order.
-    pub const ALL: [Self; 7] = [
+    pub const ALL: [Self; 8] = [
         Self::ViewFactors,
         Self::Occlusion,
         Self::OpenScenes,
         Self::ClosedScenes,
         Self::Solutions,
+        Self::Panes,
         Self::Lamps,
         Self::Extremes,
     ];
@@ -42,6 +45,7 @@ impl Group {
             Self::OpenScenes => "open scenes",
             Self::ClosedScenes => "closed scenes",
             Self::Solutions => "solutions",
+            Self::Panes => "panes",
             Self::Lamps => "lamps",
             Self::Extremes => "extremes",
         }

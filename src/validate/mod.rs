@@ -12,6 +12,7 @@ mod extremes;
 mod lamps;
 mod model;
 mod open_scenes;
+mod panes;
 pub mod scenes;
 mod solutions;
 mod view_factors;
@@ -27,6 +28,7 @@ pub fn cases() -> Vec<Case> {
         open_scenes::cases(),
         closed_scenes::cases(),
         solutions::cases(),
+        panes::cases(),
         lamps::cases(),
         extremes::cases(),
     ]

@@ -186,6 +186,7 @@ impl RayScene {
     /// Whether the side of a triangle that a ray in this direction meets can be seen.
     fn is_shown(&self, triangle: u32, direction: DVec3) -> bool {
         let t = triangle as usize;
-        !self.perforated[t] && !(self.backed[t] && self.normals[t].dot(direction) > 0.0)
+        let is_back = self.backed[t] && self.normals[t].dot(direction) > 0.0;
+        !(self.perforated[t] || is_back)
     }
 }
