@@ -47,7 +47,8 @@ impl<'a> Contacts<'a> {
     ) -> Result<Self, Cancelled> {
         let of = |(owner, outline): (usize, &Outline)| -> Vec<Segment> {
             let segment = |edge: &[DVec2; 2]| Segment { owner, ends: edge.map(|c| outline.world(c)) };
-            outline.edges.iter().map(segment).collect()
+            // The shadow of what has holes is no edge.
+            outline.edges.iter().filter(|_| !outline.has_holes).map(segment).collect()
         };
         let segments: Vec<Segment> = outlines.iter().enumerate().flat_map(of).collect();
         let flat: Vec<[DVec3; 3]> = segments.iter().map(|s| [s.ends[0], s.ends[1], s.ends[1]]).collect();
@@ -60,6 +61,9 @@ impl<'a> Contacts<'a> {
 
     /// Lines in the plane of an outline that matter to cells of edge `shortest` or longer.
     pub(super) fn on(&self, index: usize, outline: &Outline, shortest: f64) -> Vec<Contact> {
+        if outline.has_holes {
+            return Vec::new();
+        }
         // Ends that meet are one, and so are lines between the same ends.
         let mut welder = Welder::new(self.tolerance);
         let (mut found, mut known) = (Vec::new(), HashSet::new());
@@ -100,7 +104,7 @@ impl<'a> Contacts<'a> {
         self.boxes.touching(&outline.bounds.grown(self.tolerance), |other| near.push(other as usize));
         near.sort_unstable();
         near.into_iter()
-            .filter(move |&other| other != index)
+            .filter(move |&other| other != index && !self.outlines[other].has_holes)
             .flat_map(move |other| crossing(&self.outlines[other], outline, self.tolerance))
     }
 }
