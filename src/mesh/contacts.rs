@@ -47,8 +47,7 @@ impl<'a> Contacts<'a> {
     ) -> Result<Self, Cancelled> {
         let of = |(owner, outline): (usize, &Outline)| -> Vec<Segment> {
             let segment = |edge: &[DVec2; 2]| Segment { owner, ends: edge.map(|c| outline.world(c)) };
-            // The shadow of what has holes is no edge.
-            outline.edges.iter().filter(|_| !outline.has_holes).map(segment).collect()
+            outline.edges.iter().map(segment).collect()
         };
         let segments: Vec<Segment> = outlines.iter().enumerate().flat_map(of).collect();
         let flat: Vec<[DVec3; 3]> = segments.iter().map(|s| [s.ends[0], s.ends[1], s.ends[1]]).collect();
@@ -61,9 +60,6 @@ impl<'a> Contacts<'a> {
 
     /// Lines in the plane of an outline that matter to cells of edge `shortest` or longer.
     pub(super) fn on(&self, index: usize, outline: &Outline, shortest: f64) -> Vec<Contact> {
-        if outline.has_holes {
-            return Vec::new();
-        }
         // Ends that meet are one, and so are lines between the same ends.
         let mut welder = Welder::new(self.tolerance);
         let (mut found, mut known) = (Vec::new(), HashSet::new());
@@ -85,6 +81,11 @@ impl<'a> Contacts<'a> {
         contacts.filter(|contact| contact.width >= WORTH * shortest).collect()
     }
 
+    /// Whether both have holes: leaves that stick in each other throw no edge of a shadow there.
+    fn are_leaves(&self, one: usize, other: usize) -> bool {
+        self.outlines[one].has_holes && self.outlines[other].has_holes
+    }
+
     /// Edges of other outlines that lie in the plane of this one.
     fn standing_on(&self, index: usize, outline: &Outline) -> impl Iterator<Item = [DVec2; 2]> {
         let mut near = Vec::new();
@@ -94,7 +95,8 @@ impl<'a> Contacts<'a> {
             let segment = &self.segments[s as usize];
             let [a, b] = segment.ends.map(|end| outline.frame.local(end - outline.origin));
             let lies_in_plane = a.z.abs() <= self.tolerance && b.z.abs() <= self.tolerance;
-            (segment.owner != index && lies_in_plane).then(|| [a.truncate(), b.truncate()])
+            let counts = segment.owner != index && !self.are_leaves(segment.owner, index);
+            (counts && lies_in_plane).then(|| [a.truncate(), b.truncate()])
         })
     }
 
@@ -104,7 +106,7 @@ impl<'a> Contacts<'a> {
         self.boxes.touching(&outline.bounds.grown(self.tolerance), |other| near.push(other as usize));
         near.sort_unstable();
         near.into_iter()
-            .filter(move |&other| other != index && !self.outlines[other].has_holes)
+            .filter(move |&other| other != index && !self.are_leaves(other, index))
             .flat_map(move |other| crossing(&self.outlines[other], outline, self.tolerance))
     }
 }
