@@ -370,8 +370,8 @@ fn told(ui: &mut Ui, day: &Day) {
     let winds = ["N", "NE", "E", "SE", "S", "SW", "W", "NW"];
     let wind = winds[((sun.azimuth() / 45.0).round() as usize) % 8];
     let stands = match sun.is_up() {
-        true => format!("{:.1}° above the horizon, {:.0}° ({wind})", sun.elevation(), sun.azimuth()),
-        false => format!("{:.1}° below the horizon, {:.0}° ({wind})", -sun.elevation(), sun.azimuth()),
+        true => format!("{:.1}° high, {:.0}° ({wind})", sun.elevation(), sun.azimuth()),
+        false => format!("{:.1}° below, {:.0}° ({wind})", -sun.elevation(), sun.azimuth()),
     };
     let lines = [("Sun", stands), ("Outside", lux(day))];
     for (name, text) in lines {
