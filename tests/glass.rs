@@ -2,6 +2,7 @@
 
 mod common;
 
+use common::quads::Quads;
 use common::settings;
 use glam::DVec3;
 use lumenwalk::accuracy::AuditSettings;
@@ -10,47 +11,10 @@ use lumenwalk::form_factors::Method;
 use lumenwalk::mesh::PatchTarget;
 use lumenwalk::scene::{Scene, SceneSource, load};
 use lumenwalk::solve::{self, Control, Solution, SolveSettings, prepare};
-use std::fmt::Write as _;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
-/// Quads with materials, z up.
-#[derive(Default)]
-struct Quads {
-    text: String,
-    count: usize,
-}
-
 impl Quads {
-    /// A rectangle of constant z, facing up or down.
-    fn level(self, material: &str, [x0, y0, x1, y1]: [f64; 4], z: f64, faces_up: bool) -> Self {
-        let mut corners = [[x0, y0, z], [x1, y0, z], [x1, y1, z], [x0, y1, z]];
-        if !faces_up {
-            corners.reverse();
-        }
-        self.quad(material, corners)
-    }
-
-    fn quad(mut self, material: &str, corners: [[f64; 3]; 4]) -> Self {
-        writeln!(self.text, "o {material} {}\nusemtl {material}", self.count).expect("a string");
-        for [x, y, z] in corners {
-            writeln!(self.text, "v {x} {y} {z}").expect("a string");
-        }
-        self.text += "f -4 -3 -2 -1\n";
-        self.count += 1;
-        self
-    }
-
-    /// The inside of a box, its walls of one material.
-    fn room(self, material: &str, [x1, y1, z1]: [f64; 3]) -> Self {
-        self.level(material, [0.0, 0.0, x1, y1], 0.0, true)
-            .level(material, [0.0, 0.0, x1, y1], z1, false)
-            .quad(material, [[0.0, 0.0, 0.0], [0.0, y1, 0.0], [0.0, y1, z1], [0.0, 0.0, z1]])
-            .quad(material, [[x1, y1, 0.0], [x1, 0.0, 0.0], [x1, 0.0, z1], [x1, y1, z1]])
-            .quad(material, [[x1, 0.0, 0.0], [0.0, 0.0, 0.0], [0.0, 0.0, z1], [x1, 0.0, z1]])
-            .quad(material, [[0.0, y1, 0.0], [x1, y1, 0.0], [x1, y1, z1], [0.0, y1, z1]])
-    }
-
     fn read(&self, sidecar: &str) -> Result<Scene, String> {
         let folder = tempfile::tempdir().expect("a folder");
         let write = |name: &str, text: &str| {

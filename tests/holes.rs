@@ -2,6 +2,7 @@
 
 mod common;
 
+use common::quads::Quads;
 use common::settings;
 use glam::DVec3;
 use lumenwalk::accuracy::AuditSettings;
@@ -13,45 +14,10 @@ use lumenwalk::navigation::Camera;
 use lumenwalk::render::{Picker, StillInput, StillOptions, render_still};
 use lumenwalk::scene::{Scene, SceneSource, load, luminance_weighted};
 use lumenwalk::solve::{self, Control, Solution, SolveSettings, prepare};
-use std::fmt::Write as _;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 
-/// Quads with materials and texture coordinates from corner to corner, z up.
-#[derive(Default)]
-struct Quads {
-    text: String,
-    count: usize,
-}
-
 impl Quads {
-    fn quad(mut self, material: &str, corners: [[f64; 3]; 4]) -> Self {
-        writeln!(self.text, "o {material} {}\nusemtl {material}", self.count).expect("a string");
-        for ([x, y, z], uv) in corners.into_iter().zip(["0 0", "1 0", "1 1", "0 1"]) {
-            writeln!(self.text, "v {x} {y} {z}\nvt {uv}").expect("a string");
-        }
-        self.text += "f -4/-4 -3/-3 -2/-2 -1/-1\n";
-        self.count += 1;
-        self
-    }
-
-    fn level(self, material: &str, [x0, y0, x1, y1]: [f64; 4], z: f64, faces_up: bool) -> Self {
-        let mut corners = [[x0, y0, z], [x1, y0, z], [x1, y1, z], [x0, y1, z]];
-        if !faces_up {
-            corners.reverse();
-        }
-        self.quad(material, corners)
-    }
-
-    fn room(self, material: &str, [x1, y1, z1]: [f64; 3]) -> Self {
-        self.level(material, [0.0, 0.0, x1, y1], 0.0, true)
-            .level(material, [0.0, 0.0, x1, y1], z1, false)
-            .quad(material, [[0.0, 0.0, 0.0], [0.0, y1, 0.0], [0.0, y1, z1], [0.0, 0.0, z1]])
-            .quad(material, [[x1, y1, 0.0], [x1, 0.0, 0.0], [x1, 0.0, z1], [x1, y1, z1]])
-            .quad(material, [[x1, 0.0, 0.0], [0.0, 0.0, 0.0], [0.0, 0.0, z1], [x1, 0.0, z1]])
-            .quad(material, [[0.0, y1, 0.0], [x1, y1, 0.0], [x1, y1, z1], [0.0, y1, z1]])
-    }
-
     /// Reads them with a plate of which 40 % is open, by its own image or by a `map_d`, black or of reflectance 0.5.
     fn scene(&self) -> Arc<Scene> {
         self.scene_with("")

@@ -321,7 +321,7 @@ impl<'a> Search<'a> {
         let (paths, enough) = how.paths();
         let place = 2 * index + side as usize;
         let is_lit = |place: usize| self.is_lit(&starts, self.frame(place), seed, paths, enough);
-        // What passes light takes part where its other side is lit.
+        // What passes light sends some out where its other side is lit.
         match is_lit(place) || self.is_translucent(place) && is_lit(place ^ 1) {
             false => Reach::Dark,
             true if sides == Sides::Front => Reach::Black,

@@ -157,9 +157,9 @@ impl PatchLight {
         Some(Self { irradiance, radiosity, detail: None })
     }
 
-    /// The power of this light under `lighting`: with R what surfaces send out of what arrives, rho H for most, the lamps
-    /// emit the sum of A (B - R) and the surfaces absorb that of A (H - R). Lamps that shine by their photometry emit their flux, the sky and the sun what of
-    /// them arrives.
+    /// The power of this light under `lighting`. With R what surfaces send out of what arrives, rho H for most, the lamps
+    /// emit the sum of A (B - R) and the surfaces absorb that of A (H - R). Lamps that shine by their photometry emit their
+    /// flux, the sky and the sun what of them arrives.
     pub fn power(&self, mesh: &PatchMesh, reflectance: &[[f32; 3]], lighting: &Lighting) -> Power {
         let lit = self.irradiance.iter().zip(&self.radiosity).zip(reflectance);
         let outdoors = self.detail.as_ref().map_or(0.0, |detail| detail.outdoors);

@@ -1,6 +1,8 @@
 //! Scenes built in code, and the parts of a solve one by one.
 #![allow(dead_code, reason = "each test program uses a part of this")]
 
+pub(crate) mod quads;
+
 use lumenwalk::effects::EffectChoices;
 use lumenwalk::form_factors::{Method, Row};
 use lumenwalk::mesh::{Patch, PatchTarget};
