@@ -5,6 +5,7 @@
 //! order in which they stand here; a test reads the sources and keeps it so.
 
 pub mod watch;
+pub mod memory;
 pub mod geometry;
 pub mod encoding;
 pub mod photometry;

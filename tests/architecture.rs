@@ -6,12 +6,13 @@ use std::path::{Path, PathBuf};
 /// Every room in the order of the walk, with the rooms that it may use.
 const ROOMS: &[(&str, &str)] = &[
     ("watch", ""),
+    ("memory", ""),
     ("geometry", "watch"),
     ("encoding", ""),
     ("photometry", "encoding"),
     ("glazing", "geometry"),
     ("daylight", "glazing encoding geometry"),
-    ("scene", "daylight glazing photometry encoding geometry watch"),
+    ("scene", "daylight glazing photometry encoding geometry memory watch"),
     ("mesh", "scene glazing photometry geometry watch"),
     ("effects", "mesh scene geometry"),
     ("visibility", "mesh scene geometry watch"),
@@ -21,7 +22,10 @@ const ROOMS: &[(&str, &str)] = &[
     ("transport", "form_factors mesh scene geometry watch"),
     ("solver", "transport form_factors effects mesh scene geometry watch"),
     ("accuracy", "solver transport direct form_factors visibility effects mesh scene daylight geometry"),
-    ("solve", "accuracy solver transport direct emitters form_factors effects mesh scene geometry watch"),
+    (
+        "solve",
+        "accuracy solver transport direct emitters form_factors effects mesh scene geometry memory watch",
+    ),
     (
         "session",
         "solve accuracy solver transport direct emitters form_factors effects mesh scene geometry watch",
@@ -37,7 +41,7 @@ const ROOMS: &[(&str, &str)] = &[
     ),
     (
         "study",
-        "outputs export display solve accuracy solver transport direct emitters form_factors effects mesh scene geometry watch",
+        "outputs export display solve accuracy solver transport direct emitters form_factors effects mesh scene geometry memory watch",
     ),
     (
         "ui",
@@ -67,6 +71,7 @@ const CRATES: &[(&str, &[&str])] = &[
     ("resvg", &["export"]),
     ("tobj", &["scene"]),
     ("solar_positioning", &["daylight"]),
+    ("sysinfo", &["memory"]),
 ];
 
 /// All that the command line takes from the window.

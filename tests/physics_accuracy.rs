@@ -2,7 +2,9 @@
 
 mod common;
 
-use common::{Model, builtin, ceiling_with_lamp, room_with_blocks, settings, solved, solved_by_rows};
+use common::{
+    Model, builtin, ceiling_with_lamp, rank_correlation, room_with_blocks, settings, solved, solved_by_rows,
+};
 use glam::DVec3;
 use lumenwalk::accuracy::{
     Answer, AuditSettings, ErrorBudget, Receiver, Shown, Sobol, Witness, algebraic_error,
@@ -54,7 +56,16 @@ impl Case {
         let Self { solved, lighting, light, exitance, shown } = self;
         let (mesh, reflectance) = (&*solved.mesh, &*solved.reflectance);
         let transport = solved.transport.as_deref().expect("solved");
-        Witness::new(&Answer { mesh, transport, light, exitance, lighting, reflectance, shown })
+        Witness::new(&Answer {
+            mesh,
+            transport,
+            light,
+            exitance,
+            lighting,
+            reflectance,
+            shown,
+            smoothed: None,
+        })
     }
 
     /// Patches on which errors count.
@@ -78,8 +89,13 @@ impl Case {
             .sum()
     }
 
-    /// RMS of what the picture shows less `truth` over its mean, at `count` points a patch.
+    /// RMS of what the picture shows less `truth` over that, or over its mean where that is more; at `count` points a patch.
     fn true_error(&self, count: u32, mean: f64, truth: &Truth<'_>) -> f64 {
+        self.true_errors(count, mean, truth)[0]
+    }
+
+    /// That, and of the mean everywhere.
+    fn true_errors(&self, count: u32, mean: f64, truth: &Truth<'_>) -> [f64; 2] {
         let (witness, mesh) = (self.witness(), &self.solved.mesh);
         let mut places = Vec::new();
         let mut shown = Vec::new();
@@ -93,8 +109,12 @@ impl Case {
             }
         }
         let area: f64 = shown.iter().map(|s| s.1).sum();
-        let squares = truth(&places).into_iter().zip(&shown).map(|(t, (s, a))| a * (s - t).powi(2));
-        (squares.sum::<f64>() / area).sqrt() / mean
+        let truth = truth(&places);
+        [true, false].map(|by_light| {
+            let light = |t: f64| if by_light { t.max(mean) } else { mean };
+            let squares = truth.iter().zip(&shown).map(|(&t, (s, a))| a * ((s - t) / light(t)).powi(2));
+            (squares.sum::<f64>() / area).sqrt()
+        })
     }
 }
 
@@ -141,7 +161,7 @@ fn the_witness_agrees_with_closed_forms() {
 fn intervals_hold_the_true_error_in_many_random_rooms() {
     const ROOMS: u32 = 40;
     let how = AuditSettings { precision: 0.08, receivers: 320, seconds: 1e9, ..AuditSettings::default() };
-    let (mut total_held, mut factors_held, mut mesh_held) = (0, 0, 0);
+    let (mut total_held, mut of_mean_held, mut factors_held, mut mesh_held) = (0, 0, 0, 0);
     for key in 0..ROOMS {
         let (method, resolution) =
             [(Method::Lines, 12), (Method::Hemicube, 24), (Method::Rays, 200)][key as usize % 3];
@@ -149,7 +169,7 @@ fn intervals_hold_the_true_error_in_many_random_rooms() {
         let budget = audited(&case, &AuditSettings { seed: u64::from(key), ..how });
         let mean = budget.mean_irradiance;
         let exact = |places: &[(DVec3, DVec3)]| places.iter().map(|&(p, n)| case.direct(p, n)).collect();
-        let total = case.true_error(24, mean, &exact);
+        let [total, of_mean] = case.true_errors(24, mean, &exact);
 
         // Walls are black: the row of a patch gathers its stored irradiance.
         let (witness, mesh) = (case.witness(), &case.solved.mesh);
@@ -161,14 +181,16 @@ fn intervals_hold_the_true_error_in_many_random_rooms() {
             let points: Vec<(f64, f64)> = points.map(|(p, _, s)| (s, case.direct(p, patch.normal))).collect();
             let truth = points.iter().map(|p| p.1).sum::<f64>() / 32.0;
             let row = luminance(light.irradiance[i as usize]);
-            squares += patch.area * (row - truth).powi(2);
+            let over = |of: &dyn Fn(f64, f64) -> f64| {
+                points.iter().map(|&(s, t)| (of(s, t) / t.max(mean)).powi(2)).sum::<f64>() / 32.0
+            };
+            squares += patch.area * over(&|_, _| row - truth);
             // The shape that the picture gives to the light within a patch, less that which it has.
-            let shape = points.iter().map(|(s, t)| ((s - row) - (t - truth)).powi(2)).sum::<f64>() / 32.0;
+            let shape = over(&|s, t| (s - row) - (t - truth));
             of_mesh += patch.area * shape;
             area += patch.area;
         }
-        let factors = (squares / area).sqrt() / mean;
-        let shapes = (of_mesh / area).sqrt() / mean;
+        let [factors, shapes] = [squares, of_mesh].map(|sum| (sum / area).sqrt());
         // The reference is summed over points, too: a hundredth of it is its own.
         let holds =
             |e: lumenwalk::accuracy::Estimate, truth: f64| e.low < 1.01 * truth && e.high > 0.99 * truth;
@@ -178,11 +200,12 @@ fn intervals_hold_the_true_error_in_many_random_rooms() {
         );
         mesh_held += u32::from(holds(budget.mesh, shapes));
         total_held += u32::from(holds(budget.total, total));
+        of_mean_held += u32::from(holds(budget.of_mean, of_mean));
         factors_held += u32::from(holds(budget.form_factors, factors));
         assert!(total < 2.0 * budget.total.high && 2.0 * total > budget.total.low, "far off");
     }
     // 90 % at least.
-    let held = [total_held, factors_held, mesh_held];
+    let held = [total_held, of_mean_held, factors_held, mesh_held];
     assert!(held.iter().all(|&held| held >= 36), "{held:?} of {ROOMS}");
 }
 
@@ -267,21 +290,6 @@ fn with_reflections_and_shadows_the_error_is_that_against_a_far_finer_solve() {
     }
 }
 
-/// Spearman's rank correlation.
-fn rank_correlation(a: &[f64], b: &[f64]) -> f64 {
-    let ranks = |x: &[f64]| {
-        let mut order: Vec<usize> = (0..x.len()).collect();
-        order.sort_by(|&i, &j| x[i].total_cmp(&x[j]));
-        let mut ranks = vec![0.0; x.len()];
-        order.iter().enumerate().for_each(|(rank, &i)| ranks[i] = rank as f64);
-        ranks
-    };
-    let (a, b) = (ranks(a), ranks(b));
-    let middle = (a.len() - 1) as f64 / 2.0;
-    let of = |x: &[f64], y: &[f64]| x.iter().zip(y).map(|(x, y)| (x - middle) * (y - middle)).sum::<f64>();
-    of(&a, &b) / (of(&a, &a) * of(&b, &b)).sqrt()
-}
-
 #[test]
 fn the_map_points_at_the_places_where_a_finer_solve_differs() {
     let scene = room_with_blocks(0.6).scene();
@@ -312,7 +320,9 @@ fn the_map_points_at_the_places_where_a_finer_solve_differs() {
                 .map(|(p, normal, shown)| ((p, normal), shown))
                 .unzip();
             let exact = fine.irradiance_at(&places, &light);
-            let squares = exact.iter().zip(&values).map(|(&h, v)| (luminance_weighted(h) - v).powi(2));
+            let light = |h: f64| h.max(found.budget.mean_irradiance);
+            let exact = exact.iter().map(|&h| luminance_weighted(h));
+            let squares = exact.zip(&values).map(|(h, v)| ((h - v) / light(h)).powi(2));
             (squares.sum::<f64>() / f64::from(POINTS)).sqrt()
         })
         .collect();

@@ -28,8 +28,10 @@ pub struct Answer<'a> {
     pub lighting: &'a Lighting,
     /// Reflectance of each patch per band.
     pub reflectance: &'a [[f32; 3]],
-    /// The irradiance that the picture shows.
+    /// The irradiance that the picture shows, each facet by itself.
     pub shown: &'a Shown,
+    /// The same where curved surfaces are shaded smoothly across their facets; `None` where none is.
+    pub smoothed: Option<&'a Shown>,
 }
 
 /// How thorough an audit is.
@@ -54,6 +56,9 @@ pub struct AuditSettings {
     /// smaller it asks 512 receivers at least, time allowing: fewer may have missed the few places that
     /// are worst.
     pub decide: Option<f64>,
+    /// Once so many seconds have passed, an error that is larger than `decide` as far as is known is taken to be so: another
+    /// solve costs less than certainty. Zero or above.
+    pub hurry: f64,
     /// Whether to use all threads of the pool, or the calling one alone.
     pub parallel: bool,
     /// Names the random choices: the same seed draws the same receivers and rays.
@@ -71,6 +76,7 @@ impl Default for AuditSettings {
             seconds: 10.0,
             receivers: 4096,
             decide: None,
+            hurry: f64::INFINITY,
             parallel: true,
             seed: 1,
         }
@@ -85,7 +91,8 @@ pub struct Interreflection {
     pub gain: f64,
 }
 
-/// The errors of an answer, relative to the mean irradiance of the receiving area.
+/// The errors of an answer: RMS over the receiving area, relative to the light at each place where that is more than
+/// the mean and to the mean elsewhere, so that the inside of a lamp shade does not rule a house.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct ErrorBudget {
     /// Form factors and visibility.
@@ -98,9 +105,11 @@ pub struct ErrorBudget {
     pub total: Estimate,
     /// Of the mean irradiance of a patch, form factors and mesh together: what a table is off by.
     pub averages: Estimate,
-    /// As `total`, but relative to the irradiance shown at each place where that is more than the mean:
-    /// a lamp's close surroundings do not rule it.
-    pub local: Estimate,
+    /// As `total`, but relative to the mean everywhere: squares count bright places beside lamps most.
+    pub of_mean: Estimate,
+    /// What smooth shading of curved surfaces changes about the picture: no error of the light, which is that of the facets,
+    /// and in none of the others.
+    pub smoothing: Estimate,
     /// How the error as shown is spread over the area.
     pub spread: Spread,
     /// Mean luminance of irradiance over the receiving area, W/m².
@@ -122,7 +131,8 @@ pub struct Checked {
     pub weight: f64,
     /// What the picture shows at a point of it less the truth, over the mean irradiance.
     pub shown: f64,
-    /// Square of `shown`, free of the witness' noise on average; may be negative.
+    /// Square of the error of the light there, as [`ErrorBudget::total`] has it, free of the witness' noise on average;
+    /// may be negative.
     pub square: f64,
     /// What the picture shows less the truth, over the truth ([`DARKEST`] of the mean at least).
     pub of_light: f64,
@@ -149,7 +159,7 @@ struct Found {
     mesh: Sample,
     total: Sample,
     averages: Sample,
-    local: Sample,
+    smoothing: Sample,
     of_light: f64,
     /// Rays cast.
     rays: u64,
@@ -233,12 +243,14 @@ impl<'a> Audit<'a> {
             let change = high - low;
             if change.is_finite() { change.max(0.0) } else { 0.0 }
         };
-        let typical: f64 = receiving().map(|i| mesh.patches[i].area * unrest(i)).sum::<f64>() / area;
+        // What a patch is off by counts against its own light where that is more than the mean.
+        let own = |i: usize| lum(answer.light.irradiance[i]).max(0.0);
+        let over = |i: usize| (own(i) / mean).max(1.0);
+        let typical = receiving().map(|i| mesh.patches[i].area * unrest(i) / over(i)).sum::<f64>() / area;
         let floor = typical + 1e-6 * mean;
-        let bright = |i: usize| BRIGHT * lum(answer.light.irradiance[i]).max(0.0);
-        let chance: Vec<f64> = (0..n)
-            .map(|i| if counts[i] { mesh.patches[i].area * (unrest(i) + bright(i) + floor) } else { 0.0 })
-            .collect();
+        let likely = |i: usize| (unrest(i) + BRIGHT * own(i)) / over(i) + floor;
+        let chance: Vec<f64> =
+            (0..n).map(|i| if counts[i] { mesh.patches[i].area * likely(i) } else { 0.0 }).collect();
         let whole: f64 = chance.iter().sum();
         let chance: Vec<f64> = chance.iter().map(|c| c / whole).collect();
 
@@ -308,12 +320,17 @@ impl<'a> Audit<'a> {
             let is_above = settings.decide.is_some_and(|d| {
                 found.len() >= INFORMED_FROM && total.low > d || found.len() >= DECISIVE && total.error > d
             });
+            let seems_above = settings.decide.is_some_and(|d| {
+                found.len() >= INFORMED_FROM
+                    && total.error > d
+                    && clock.elapsed().as_secs_f64() > settings.hurry
+            });
             let enough = settings.decide.is_none() || is_above || found.len() >= DECISIVE;
             let decided = width < LOOSE && (is_above || settings.decide.is_some_and(|d| total.high < d));
             let factors = || self.estimate(&found, |f| f.form_factors);
             let known =
                 |e: Estimate| e.relative_half_width() < settings.precision || e.high < settings.resolve;
-            if enough && (decided || (known(total) && (!settings.parts || known(factors())))) {
+            if seems_above || enough && (decided || (known(total) && (!settings.parts || known(factors())))) {
                 break;
             }
         }
@@ -325,19 +342,20 @@ impl<'a> Audit<'a> {
         if found.len() < BATCH / 4 || stop() {
             return None;
         }
-        let mut total = self.estimate(&found, |f| f.total);
-        let with = |a: f64, b: f64| a.hypot(b);
-        total.error = with(total.error, solver.estimate.error);
-        total.low = with(total.low, solver.estimate.low);
-        total.high = with(total.high, solver.estimate.high);
+        let with_solver = |e: Estimate| Estimate {
+            error: e.error.hypot(solver.estimate.error),
+            low: e.low.hypot(solver.estimate.low),
+            high: e.high.hypot(solver.estimate.high),
+        };
         let receivers = checked(&found);
         let budget = ErrorBudget {
             form_factors: self.estimate(&found, |f| f.form_factors),
             mesh: self.estimate(&found, |f| f.mesh),
             solver,
-            total,
+            total: with_solver(self.estimate(&found, |f| f.total)),
             averages: self.estimate(&found, |f| f.averages),
-            local: self.estimate(&found, |f| f.local),
+            of_mean: with_solver(self.estimate(&found, |f| f.total.of_mean())),
+            smoothing: estimate(&found.iter().map(|f| f.smoothing).collect::<Vec<_>>(), 0.0),
             spread: spread(&receivers, self.answer.mesh, &self.counts),
             mean_irradiance: self.mean,
             receivers: found.len(),
@@ -378,7 +396,7 @@ impl<'a> Audit<'a> {
                 let [low, high] = self.witness.shown_range(i as u32);
                 let departure = self.witness.shown_mean(i as u32) - own(i);
                 [high - low, departure, own(i)].map(|x| {
-                    let square = (x / self.mean).powi(2);
+                    let square = (x / own(i).max(self.mean)).powi(2);
                     if square.is_finite() { square } else { 0.0 }
                 })
             })
@@ -394,10 +412,12 @@ impl<'a> Audit<'a> {
     /// of receivers.
     fn care(&self, pilot: &[Found], rays_left: f64, settings: &AuditSettings) -> Care {
         let n = pilot.len().max(1) as f64;
-        let mean = |of: &dyn Fn(&Found) -> f64| pilot.iter().map(|f| f.total.weight * of(f)).sum::<f64>() / n;
+        let mean = |of: &dyn Fn(&Found) -> Sample| {
+            let squares = pilot.iter().map(of).map(|s| s.weight * s.square / (s.light * s.light));
+            squares.sum::<f64>() / n
+        };
         let least = settings.resolve * settings.resolve;
-        let noise = [mean(&|f| f.form_factors.square), mean(&|f| f.total.square)]
-            .map(|e| settings.noise * e.max(least));
+        let noise = [mean(&|f| f.form_factors), mean(&|f| f.total)].map(|e| settings.noise * e.max(least));
         // A receiver casts five times as many rays as one gathering has along the cosine.
         let most = (rays_left / (5.0 * FEWEST)).clamp(f64::from(TRIAL_RAYS) + 1.0, f64::from(MOST_RAYS));
         Care { noise, local: settings.local_noise, rays: [TRIAL_RAYS, most as u32] }
@@ -446,7 +466,8 @@ impl<'a> Audit<'a> {
         let weight = self.answer.mesh.patches[i].area / self.area / (own / all);
         let rho = luminance_weighted(self.answer.reflectance[i].map(f64::from));
         let choice = witness.lamp_choice(patch);
-        let (point, normal, shown) = witness.point_on(patch, unit(key + 1), unit(key + 2));
+        let (r, s) = (unit(key + 1), unit(key + 2));
+        let (point, normal, shown) = witness.point_on(patch, r, s);
         let relative = |h: f64| h / self.mean;
         let by_row = self.by_row[i];
         let places = [Receiver::Whole, Receiver::Point(point, normal)];
@@ -467,7 +488,8 @@ impl<'a> Audit<'a> {
             let mean = values.iter().sum::<f64>() / TRIALS as f64;
             let variance = values.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / (TRIALS - 1) as f64;
             let local = care.local * mean.max(DARKEST);
-            let aim = if kind == 1 { care.noise[1].min(local * local) } else { care.noise[kind] };
+            let aim = care.noise[kind] * mean.max(1.0).powi(2);
+            let aim = if kind == 1 { aim.min(local * local) } else { aim };
             let factor = (variance / aim).powf(1.0 / 1.5);
             (f64::from(TRIAL_RAYS) * factor).clamp(f64::from(care.rays[0]), f64::from(care.rays[1])) as u32
         });
@@ -485,23 +507,24 @@ impl<'a> Audit<'a> {
             return None;
         }
 
+        let truth = relative(0.5 * (there[0].shown + there[1].shown));
+        let light = truth.max(1.0);
         let sample = |deviations: [f64; 2]| {
             let [a, b] = deviations.map(relative);
             let deviation = 0.5 * (a + b);
-            Sample { weight, square: a * b, deviation, reflected: rho * deviation }
+            Sample { weight, square: a * b, deviation, reflected: rho * deviation, light }
         };
         let sampled = |k: usize| match &self.passed_on {
             Some(passed_on) => passed_on[i] - (whole[k].constant - whole[k].direct),
             None => by_row - whole[k].constant,
         };
-        let truth = relative(0.5 * (there[0].shown + there[1].shown));
         Some(Found {
             patch,
             form_factors: sample([0, 1].map(sampled)),
             mesh: sample([0, 1].map(|k| shown - there[k].shown - sampled(k))),
             total: sample([0, 1].map(|k| shown - there[k].shown)),
             averages: sample([0, 1].map(|k| by_row - whole[k].shown)),
-            local: sample([0, 1].map(|k| (shown - there[k].shown) / relative(shown).max(1.0))),
+            smoothing: sample([witness.smoothing_on(patch, r, s); 2]),
             of_light: (relative(shown) - truth) / truth.max(DARKEST),
             rays: cast,
         })
@@ -526,7 +549,7 @@ fn checked(found: &[Found]) -> Vec<Checked> {
         patch: f.patch,
         weight: f.total.weight / count,
         shown: f.total.deviation,
-        square: f.total.square,
+        square: f.total.square / (f.total.light * f.total.light),
         of_light: f.of_light,
         form_factors: f.form_factors.deviation,
     };

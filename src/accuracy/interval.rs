@@ -1,7 +1,7 @@
 //! From weighted samples of an error to its root mean square with a 95 % interval.
 
-/// A root-mean-square error relative to the mean irradiance (0.01 is 1 %), with the interval that
-/// holds the truth in 95 of 100 cases.
+/// A root-mean-square error as a share of the light (0.01 is 1 %), with the interval that holds the truth in 95
+/// of 100 cases.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Estimate {
     /// The estimate; zero where noise leaves nothing.
@@ -20,7 +20,7 @@ impl Estimate {
 }
 
 /// What one receiver tells of an error e, relative to the mean irradiance.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sample {
     /// Its share of the receiving area over its probability of being drawn.
     pub weight: f64,
@@ -30,13 +30,29 @@ pub struct Sample {
     pub deviation: f64,
     /// Reflectance there times e.
     pub reflected: f64,
+    /// The light that e is measured against there, over the mean irradiance; above zero.
+    pub light: f64,
+}
+
+impl Default for Sample {
+    fn default() -> Self {
+        Self { weight: 0.0, square: 0.0, deviation: 0.0, reflected: 0.0, light: 1.0 }
+    }
+}
+
+impl Sample {
+    /// The same error measured against the mean irradiance.
+    pub fn of_mean(self) -> Self {
+        Self { light: 1.0, ..self }
+    }
 }
 
 /// Quantile of the normal distribution for 95 % between both tails.
 const Z: f64 = 1.959_963_984_540_054;
 
-/// Root mean square of an error whose mean is passed on with the factor `gain`: with C = gain mean(rho e)
-/// the constant that later reflections add, mean((e + C)²) = mean(e²) + 2 C mean(e) + C².
+/// Root mean square of an error over the light h there, where the mean error is passed on with the factor `gain`: with
+/// C = gain mean(rho e) the constant that later reflections add,
+/// mean((e + C)² / h²) = mean(e² / h²) + 2 C mean(e / h²) + C² mean(1 / h²).
 ///
 /// Bias and spread by the jackknife (Efron & Stein 1981: pseudo-values), the interval by Hall's
 /// (1992) transformation of Student's t, which mends the skewness that few large squares cause.
@@ -47,21 +63,25 @@ pub fn estimate(samples: &[Sample], gain: f64) -> Estimate {
     if samples.len() < 2 {
         return Estimate { error: 0.0, low: 0.0, high: f64::INFINITY };
     }
-    let sums = samples.iter().fold([0.0; 3], |s, x| {
-        [s[0] + x.weight * x.square, s[1] + x.weight * x.deviation, s[2] + x.weight * x.reflected]
+    // The last two are those of one: over the light there, and by itself.
+    let terms = |x: &Sample| {
+        let over = x.weight / (x.light * x.light);
+        [over * x.square, over * x.deviation, x.weight * x.reflected, over, x.weight]
+    };
+    let sums = samples.iter().fold([0.0; 5], |mut s, x| {
+        s.iter_mut().zip(terms(x)).for_each(|(s, x)| *s += x);
+        s
     });
-    let value = |s: [f64; 3], n: f64| {
-        let [square, mean, reflected] = s.map(|x| x / n);
+    let value = |s: [f64; 5], n: f64| {
+        let [square, mean, reflected] = [s[0], s[1], s[2]].map(|x| x / n);
         let passed_on = gain * reflected;
-        square + 2.0 * passed_on * mean + passed_on * passed_on
+        let one = if s[4] > 0.0 { s[3] / s[4] } else { 1.0 };
+        square + 2.0 * passed_on * mean + passed_on * passed_on * one
     };
     let whole = value(sums, n);
     let pseudo = samples.iter().map(|x| {
-        let without = [
-            sums[0] - x.weight * x.square,
-            sums[1] - x.weight * x.deviation,
-            sums[2] - x.weight * x.reflected,
-        ];
+        let mut without = sums;
+        without.iter_mut().zip(terms(x)).for_each(|(s, x)| *s -= x);
         n * whole - (n - 1.0) * value(without, n - 1.0)
     });
     let mean = pseudo.clone().sum::<f64>() / n;
@@ -149,7 +169,7 @@ mod tests {
             let samples: Vec<Sample> = (0..4000)
                 .map(|k| {
                     let e = bias + spread * normal(k);
-                    Sample { weight: 1.0, square: e * e, deviation: e, reflected: 0.5 * e }
+                    Sample { weight: 1.0, square: e * e, deviation: e, reflected: 0.5 * e, light: 1.0 }
                 })
                 .collect();
             estimate(&samples, 2.0)

@@ -3,12 +3,12 @@
 use super::audit::Checked;
 use crate::mesh::PatchMesh;
 
-/// Signs of error that a patch shows by itself, squared, relative to the mean irradiance: how far the
+/// Signs of error that a patch shows by itself, squared, relative to its light (the mean at least): how far the
 /// picture changes on it, how far the picture departs from its own value, and its irradiance.
 pub(super) type Signs = [f64; 3];
 
-/// The error of the picture on every patch: its root mean square over the patch, relative to the mean
-/// irradiance of the scene.
+/// The error of the picture on every patch: its root mean square over the patch, relative to the light there (the mean
+/// at least).
 ///
 /// Only a sample of patches was measured. The map follows what the picture shows (its change within a
 /// patch, its departure from the patch' value, its brightness), weighted so as to fit the squares that
@@ -18,7 +18,7 @@ pub(super) type Signs = [f64; 3];
 /// receiving area is that of the total. It tells where to look; the number of a single patch is uncertain by a factor of two or so.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct ErrorMap {
-    /// A share of the mean irradiance for each patch; NaN for those that shine or lie buried.
+    /// A share of the light of each patch; NaN for those that shine or lie buried.
     pub error: Vec<f32>,
 }
 

@@ -4,7 +4,7 @@
 //!
 //! Errors are those of irradiance (Rec. 709 luminance of it), as the root of their mean square over
 //! the receiving area (all patches that neither shine nor lie buried, weighted by area), relative to
-//! the mean irradiance there. With H_i the stored irradiance of patch i, B its radiosity, s(x) the
+//! the irradiance there, or to its mean over that area where that is more. With H_i the stored irradiance of patch i, B its radiosity, s(x) the
 //! irradiance that the picture shows at a point x (patch values interpolated over the triangles), and
 //! K the true gathering operator over the true polygons:
 //!

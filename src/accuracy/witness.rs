@@ -105,6 +105,8 @@ pub struct Witness<'a> {
     /// Luminance of what each face passes on to its far side of what is shown there; empty where nothing passes light.
     shown_passed: Vec<[f32; 3]>,
     elements: Option<Arc<Elements>>,
+    /// As `shown` where curved surfaces are shaded smoothly; empty where none is.
+    smoothed: Vec<[f32; 3]>,
     /// Patches that shine, with their power.
     lamps: Vec<(u32, f64)>,
     /// What shines by photometry.
@@ -130,7 +132,7 @@ pub struct LampChoice {
 impl<'a> Witness<'a> {
     /// Of a solved scene.
     pub fn new(answer: &Answer<'a>) -> Self {
-        let Answer { mesh, light, exitance, lighting, reflectance, shown, .. } = *answer;
+        let Answer { mesh, light, exitance, lighting, reflectance, shown, smoothed, .. } = *answer;
         let (triangles, pieces) = mesh.triangles();
         let mut of_patch: Vec<Vec<(u32, f64)>> = vec![Vec::new(); mesh.patches.len()];
         for (index, (triangle, &piece)) in triangles.iter().zip(&pieces).enumerate() {
@@ -193,6 +195,9 @@ impl<'a> Witness<'a> {
             shown_reflected,
             shown_passed,
             elements: shown.elements.clone(),
+            smoothed: smoothed.map_or_else(Vec::new, |smoothed| {
+                smoothed.faces.iter().map(|face| face.map(|h| luminance_weighted(wide(h)) as f32)).collect()
+            }),
             lamps: (0..n)
                 .filter(|&i| sent(i) > 0.0)
                 .map(|i| (i as u32, sent(i) * mesh.patches[i].area))
@@ -220,6 +225,19 @@ impl<'a> Witness<'a> {
         let piece = &self.mesh.pieces[self.pieces[triangle as usize] as usize];
         let shown = self.interpolated(&self.shown, 2 * triangle as usize + side as usize, [a, b, c]);
         (p * a + q * b + t * c, self.mesh.normal_of(piece, side), shown)
+    }
+
+    /// What smooth shading adds to what is shown at the point of [`Witness::point_on`], W/m² of luminance.
+    pub fn smoothing_on(&self, patch: u32, r: f64, s: f64) -> f64 {
+        match self.place_on(patch, r, s) {
+            Some((triangle, weights)) if !self.smoothed.is_empty() => {
+                let side = 2 * triangle as usize + self.mesh.patches[patch as usize].side as usize;
+                let [facets, smooth] =
+                    [&self.shown, &self.smoothed].map(|values| self.interpolated(values, side, weights));
+                smooth - facets
+            }
+            _ => 0.0,
+        }
     }
 
     /// Least and greatest irradiance that the picture shows on a patch, W/m² of luminance.

@@ -33,16 +33,19 @@ pub(super) fn lines(budget: &ErrorBudget, scene: &Scene) -> String {
     let line = |name: &str, e: Estimate| {
         vec![format!("  {name}"), percent(e.error), format!("({} to {})", percent(e.low), percent(e.high))]
     };
-    let rows = [
+    let mut rows = vec![
         line("form factors", budget.form_factors),
         line("patches", budget.mesh),
         line("solver", budget.solver.estimate),
         line("in all, as shown", budget.total),
         line("patch averages", budget.averages),
-        line("of the light there", budget.local),
+        line("in all, of the mean", budget.of_mean),
     ];
+    if budget.smoothing.high > 0.0 {
+        rows.push(line("smooth shading", budget.smoothing));
+    }
     format!(
-        "error of irradiance, RMS of the mean of {} lx ({}, {} rays, {}):\n{}",
+        "error of irradiance, RMS, of the light there or of the mean of {} lx where that is more ({}, {} rays, {}):\n{}",
         text::significant(LUMINOUS_EFFICACY * budget.mean_irradiance),
         text::count(budget.receivers, "receiver"),
         text::thousands(budget.rays as usize),
@@ -119,7 +122,8 @@ pub(super) fn report(
         solver_bound_percent: 100.0 * budget.solver.bound,
         as_shown: error(budget.total, None),
         patch_averages: error(budget.averages, None),
-        of_the_light_there: error(budget.local, None),
+        of_the_mean: error(budget.of_mean, None),
+        smooth_shading: error(budget.smoothing, None),
         median_percent: range(budget.spread.median),
         area_within: budget
             .spread

@@ -98,7 +98,7 @@ pub(super) struct Arguments {
     /// Check the answer by independent rays and tell how wrong it is
     #[arg(long)]
     audit: bool,
-    /// Go on until the irradiance as shown is within this of the truth (RMS, of its mean): chooses
+    /// Go on until the irradiance as shown is within this of the truth (RMS, of the light there): chooses
     /// patches, lines and tolerance
     #[arg(long, value_name = "SHARE", value_parser = budget::error_goal, conflicts_with_all = BY_GOAL)]
     error: Option<f64>,

@@ -319,7 +319,8 @@ pub struct PowerReport {
     pub escaped: Option<f64>,
 }
 
-/// An error as root mean square over the receiving area, percent of the mean irradiance.
+/// An error as root mean square over the receiving area, percent of the light there, or of the mean irradiance where that
+/// is more.
 #[derive(Clone, Copy, Debug, Serialize)]
 pub struct ErrorReport {
     /// The estimate.
@@ -345,10 +346,12 @@ pub struct AccuracyReport {
     pub solver_bound_percent: f64,
     /// All together, of the irradiance as shown.
     pub as_shown: ErrorReport,
-    /// Form factors and patches together, of the mean irradiance of a patch.
+    /// Form factors and patches together, of the irradiance of a patch as a whole.
     pub patch_averages: ErrorReport,
-    /// Of the irradiance as shown, relative to that at each place where it is more than the mean.
-    pub of_the_light_there: ErrorReport,
+    /// The same relative to the mean irradiance everywhere.
+    pub of_the_mean: ErrorReport,
+    /// What smooth shading of curved surfaces changes about the picture; part of none of the others.
+    pub smooth_shading: ErrorReport,
     /// Half of the area is off by less, percent of the light at each place.
     pub median_percent: RangeReport,
     /// Shares of the area that are off by less, of the light at each place.

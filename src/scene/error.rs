@@ -1,3 +1,4 @@
+use crate::memory::Shortage;
 use crate::watch::Cancelled;
 use std::path::{Path, PathBuf};
 
@@ -17,6 +18,14 @@ pub enum SceneError {
         path: PathBuf,
         /// What the system says.
         reason: String,
+    },
+    /// It would not fit into memory.
+    #[error("{} cannot be read: {shortage}", path.display())]
+    Memory {
+        /// What was to be read.
+        path: PathBuf,
+        /// How much is missing.
+        shortage: Shortage,
     },
     /// Nothing but white space.
     #[error("{0}: the file is empty")]

@@ -50,10 +50,13 @@ pub(super) fn number(word: &str) -> Result<f64, String> {
     })
 }
 
+/// What some programs put around names.
+const QUOTES: [char; 2] = ['"', '\''];
+
 /// A name without the quotation marks that some programs put around it.
 pub(super) fn unquoted(name: &str) -> &str {
     let name = name.trim();
-    let inner = name.strip_prefix('"').and_then(|rest| rest.strip_suffix('"'));
+    let inner = QUOTES.into_iter().find_map(|mark| name.strip_prefix(mark)?.strip_suffix(mark));
     inner.map(str::trim).filter(|inner| !inner.is_empty()).unwrap_or(name)
 }
 
@@ -70,7 +73,7 @@ pub(super) fn listed(list: &str) -> Vec<&str> {
     let mut rest = list.trim();
     let mut found = Vec::new();
     while !rest.is_empty() && !rest.starts_with('#') {
-        let quoted = rest.strip_prefix('"').and_then(|inner| inner.split_once('"'));
+        let quoted = QUOTES.into_iter().find_map(|mark| rest.strip_prefix(mark)?.split_once(mark));
         let (name, after) = match quoted {
             Some((name, after)) => (name.trim(), after),
             None => rest.split_once(char::is_whitespace).unwrap_or((rest, "")),
@@ -118,7 +121,10 @@ mod tests {
     fn names_lose_quotes_and_comments_and_numbers_tell_of_commas() {
         assert_eq!(keyword("Map_KD  a B"), ("map_kd".into(), "a B"));
         assert_eq!(unquoted("\"my room.mtl\""), "my room.mtl");
+        assert_eq!(unquoted("'my room.mtl'"), "my room.mtl");
+        assert_eq!(unquoted("Peter's"), "Peter's");
         assert_eq!(unquoted("\""), "\"");
+        assert_eq!(listed("'my room.mtl' b.mtl \"c d.mtl\" # e"), ["my room.mtl", "b.mtl", "c d.mtl"]);
         assert_eq!(uncommented("wall   # plaster"), "wall");
         assert_eq!(uncommented("Material#25"), "Material#25");
         assert_eq!(listed("a.mtl \"b c.mtl\" \"\" d # e"), ["a.mtl", "b c.mtl", "d"]);

@@ -103,6 +103,11 @@ impl Scene {
         surface.corners.iter().map(|c| self.positions[c.position as usize]).collect()
     }
 
+    /// How many triangles the surfaces come to.
+    pub fn triangle_count(&self) -> usize {
+        self.surfaces.iter().map(|surface| surface.corners.len().saturating_sub(2)).sum()
+    }
+
     /// Triangles of all surfaces, metres.
     pub fn triangles(&self) -> Vec<[DVec3; 3]> {
         super::views::triangles(&self.positions, &self.surfaces).0

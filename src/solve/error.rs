@@ -1,8 +1,9 @@
 //! Why a solve ends early.
 
 use super::memory::too_large;
+use crate::memory::Shortage;
 use crate::mesh;
-use crate::scene::SceneError;
+use crate::scene::{SceneError, grouped};
 use crate::watch::Cancelled;
 
 /// Why a solve ended without a solution.
@@ -30,6 +31,14 @@ pub enum PipelineError {
         available_gb: f64,
         /// How many patches would fit.
         fitting: usize,
+    },
+    /// Not even cutting the scene into patches would fit into memory.
+    #[error("the light of {} triangles cannot be computed: {shortage}", grouped(*triangles as i64))]
+    Shortage {
+        /// Triangles of the scene.
+        triangles: usize,
+        /// How much is missing.
+        shortage: Shortage,
     },
     /// Some of what was computed is no number.
     #[error(

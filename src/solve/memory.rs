@@ -3,11 +3,11 @@
 use super::PipelineError;
 use super::pipeline::Prepared;
 use crate::form_factors::RowComputer;
+use crate::memory::available_bytes;
 use crate::scene::grouped;
-use crate::solver::System as LightSystem;
+use crate::solver::System;
 use crate::transport::TransportKind;
 use rayon::prelude::*;
-use sysinfo::{ProcessRefreshKind, ProcessesToUpdate, System};
 
 /// Rows that are tried to see what all would take, and form factors of each that are looked at from the other
 /// side.
@@ -69,7 +69,7 @@ fn spread(patches: usize, count: usize) -> Vec<u32> {
 /// of so many faces a single one may take a second.
 pub(super) fn check_memory(
     computer: &RowComputer,
-    system: &LightSystem,
+    system: &System,
     wanted: TransportKind,
     cancelled: &(dyn Fn() -> bool + Sync),
 ) -> Result<TransportKind, PipelineError> {
@@ -199,46 +199,9 @@ pub(super) fn too_large(
     }
 }
 
-/// Memory that this process can have without swapping, bytes: what is free in the system, within the limit of
-/// its control group and that of its address space (`ulimit -v`). `None` where the system does not say.
-pub fn available_bytes() -> Option<f64> {
-    let mut system = System::new().ok()?;
-    system.refresh_memory();
-    let mut limits: Vec<u64> = Some(system.available_memory()).filter(|&free| free > 0).into_iter().collect();
-    if let Ok(own) = sysinfo::get_current_pid() {
-        let what = ProcessRefreshKind::nothing().with_memory().without_tasks();
-        system.refresh_processes_specifics(ProcessesToUpdate::Some(&[own]), false, what);
-        if let Some(process) = system.process(own) {
-            // What files take of a group's memory is given up for others.
-            let group = process.cgroup_limits().map(|g| g.total_memory.saturating_sub(g.rss));
-            let space = address_space().map(|most| most.saturating_sub(process.virtual_memory()));
-            limits.extend(group.into_iter().chain(space));
-        }
-    }
-    limits.into_iter().min().map(|least| least as f64)
-}
-
-/// The most bytes that the process may address, where that is limited.
-#[cfg(target_os = "linux")]
-fn address_space() -> Option<u64> {
-    rustix::process::getrlimit(rustix::process::Resource::As).current
-}
-
-/// Other systems know no such limit, or do not keep to it.
-#[cfg(not(target_os = "linux"))]
-fn address_space() -> Option<u64> {
-    None
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    #[test]
-    fn the_system_tells_what_is_free() {
-        let free = available_bytes().expect("this system tells");
-        assert!((1e7..1e14).contains(&free), "{free} bytes");
-    }
 
     #[test]
     fn advice_is_what_helps() {

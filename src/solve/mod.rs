@@ -19,7 +19,7 @@ pub use daylight_factor::{Overcast, daylight_factor};
 pub use effect_costs::{effect_costs, measured};
 pub use element_light::ElementLight;
 pub use error::PipelineError;
-pub use memory::{Predicted, available_bytes, predicted};
+pub use memory::{Predicted, predicted};
 pub use pipeline::{
     Control, DirectTarget, Prepared, Progress, Run, SolveSettings, Stage, Timings, patch_reflectance,
     prepare, solve, system, without_light,

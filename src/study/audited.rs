@@ -7,7 +7,7 @@ use crate::scene::Lighting;
 use crate::solve::Solution;
 use crate::solver::{PatchLight, patch_emission};
 
-/// The irradiance that the smoothly shaded picture shows of this light, W/m² per band.
+/// The irradiance that the picture shows of this light, interpolated on its triangles, W/m² per band.
 pub fn shown(mesh: &PatchMesh, display: &DisplayMesh, light: &PatchLight) -> Shown {
     let detail = light.detail.as_deref().map(in_detail);
     let values = display.detailed_irradiance(&light.irradiance, detail, Shading::Gouraud);
@@ -17,8 +17,8 @@ pub fn shown(mesh: &PatchMesh, display: &DisplayMesh, light: &PatchLight) -> Sho
     Shown { faces, elements: display.elements().cloned() }
 }
 
-/// Audits a finished solve under this lighting, as the picture shows it: smooth over facets where that is
-/// on in the solve's plan.
+/// Audits a finished solve under this lighting, as the picture shows it on each facet. Where the plan has curved surfaces
+/// shaded smoothly, what that changes is told beside the errors: the light is that of the facets.
 ///
 /// `stop` ends it early; `None` then, and where no light arrives.
 pub fn audit(
@@ -27,11 +27,13 @@ pub fn audit(
     settings: &AuditSettings,
     stop: &(dyn Fn() -> bool + Sync),
 ) -> Option<Findings> {
-    let smooth = solved.plan.is_on(Effect::SmoothSurfaces);
     let elements = solved.element_light.as_ref().map(|light| &light.elements);
-    let display = DisplayMesh::build_on(&solved.mesh, &solved.scene, smooth, elements);
     let light = solved.light(lighting);
-    let shown = shown(&solved.mesh, &display, &light);
+    let picture = |smooth: bool| {
+        shown(&solved.mesh, &DisplayMesh::build_on(&solved.mesh, &solved.scene, smooth, elements), &light)
+    };
+    let facets = picture(false);
+    let smoothed = solved.plan.is_on(Effect::SmoothSurfaces).then(|| picture(true));
     let exitance: Vec<[f32; 3]> = solved.mesh.patches.iter().map(|p| patch_emission(p, lighting)).collect();
     let answer = Answer {
         mesh: &solved.mesh,
@@ -40,7 +42,8 @@ pub fn audit(
         exitance: &exitance,
         lighting,
         reflectance: &solved.reflectance,
-        shown: &shown,
+        shown: &facets,
+        smoothed: smoothed.as_ref(),
     };
     Audit::new(answer)?.run(settings, stop)
 }

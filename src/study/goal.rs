@@ -10,9 +10,10 @@ use super::trial::pace;
 use super::until::{Known, Outcome, solve_until};
 use crate::accuracy::{ErrorBudget, Estimate};
 use crate::effects::EffectChoices;
+use crate::memory::available_bytes;
 use crate::mesh::{PatchMesh, Refinement};
 use crate::scene::{Lighting, Scene};
-use crate::solve::{Control, PipelineError, Progress, Solution, available_bytes, effect_costs};
+use crate::solve::{Control, PipelineError, Progress, Solution, effect_costs};
 use glam::DVec3;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
@@ -20,7 +21,7 @@ use std::time::{Duration, Instant};
 /// What a solve is to reach.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Goal {
-    /// An error of irradiance as shown, relative to its mean, or at points; above zero.
+    /// An error of irradiance as shown, relative to the light there, or at points; above zero.
     Error(f64),
     /// Seconds of work in all; above zero.
     Seconds(f64),

@@ -36,6 +36,9 @@ const GAIN: f64 = 0.8;
 const QUICK_NOISE: f64 = 0.02;
 /// And the whole of a receiver, see [`AuditSettings::noise`]: more receivers tell more than fewer rays take away.
 const NOISE: f64 = 3.0;
+/// After so many seconds a check that has found too large an error so far leaves it at that, or after as many as the solve
+/// took.
+const LEAST_CHECK: f64 = 0.7;
 /// Where no mesh in memory promises the error, further solves take so many seconds, or as long as was spent on
 /// those before.
 const CONSOLATION: f64 = 60.0;
@@ -285,6 +288,7 @@ impl GoalRun {
                 local_noise: QUICK_NOISE,
                 noise: NOISE,
                 seconds: (2.0 * seconds).clamp(3.0, 60.0),
+                hurry: seconds.max(LEAST_CHECK),
                 decide: Some(error),
                 ..AuditSettings::default()
             },

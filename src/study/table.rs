@@ -42,9 +42,9 @@ impl Default for Entry {
 const HEADER: &str = "scene,hash,threads,method,resolution,receiving_points,patches_wanted,patches,seconds_mesh,seconds_rows,\
     seconds_balance,seconds_sweeps,seconds_total,peak_memory_bytes,form_factors,form_factors_low,\
     form_factors_high,patch_error,patch_error_low,patch_error_high,solver,solver_low,solver_high,solver_bound,\
-    total,total_low,total_high,averages,averages_low,averages_high,local,local_low,local_high,median,within_1,within_5,within_10,mean_irradiance,receivers,rays,audit_seconds";
+    total,total_low,total_high,averages,averages_low,averages_high,of_mean,of_mean_low,of_mean_high,median,within_1,within_5,within_10,mean_irradiance,receivers,rays,audit_seconds";
 
-/// Writes all rows; errors are shares of the mean irradiance.
+/// Writes all rows; errors are shares of the light there (the mean at least), `of_mean` of the mean.
 ///
 /// # Errors
 /// A refusal of the system.
@@ -76,7 +76,7 @@ pub fn write(path: &Path, rows: &[Row]) -> Result<(), ExportError> {
                 write!(file, ",{}", estimate(e))?;
             }
             write!(file, ",{:.4e}", b.solver.bound)?;
-            for e in [b.total, b.averages, b.local] {
+            for e in [b.total, b.averages, b.of_mean] {
                 write!(file, ",{}", estimate(e))?;
             }
             write!(file, ",{}", scientific(b.spread.median.value))?;
@@ -124,7 +124,7 @@ fn parse_row(names: &[&str], line: &str) -> Option<Row> {
         total: estimate("total")?,
         averages: estimate("averages")?,
         // A table of before this column was there is read all the same.
-        local: estimate("local").unwrap_or(Estimate { error: f64::NAN, low: f64::NAN, high: f64::NAN }),
+        of_mean: estimate("of_mean").unwrap_or(Estimate { error: f64::NAN, low: f64::NAN, high: f64::NAN }),
         mean_irradiance: number("mean_irradiance")?,
         receivers: count("receivers")? as usize,
         rays: count("rays")?,
@@ -207,7 +207,7 @@ mod tests {
         let text = std::fs::read_to_string(&path).unwrap();
         let names: Vec<&str> = text.lines().next().unwrap().split(',').collect();
         let is_later =
-            |name: &str| ["local", "within", "median"].iter().any(|column| name.starts_with(column));
+            |name: &str| ["of_mean", "within", "median"].iter().any(|column| name.starts_with(column));
         let without = |line: &str| {
             let fields = names.iter().zip(line.split(',')).filter(|(name, _)| !is_later(name));
             fields.map(|(_, field)| field).collect::<Vec<_>>().join(",")
@@ -218,7 +218,7 @@ mod tests {
         for _ in 0..2 {
             assert_eq!((rows.len(), rows[0].total_seconds), (1, 2.5), "{early}");
             let b = &rows[0].budget;
-            assert!(b.local.error.is_nan() && b.spread.median.value.is_nan(), "{b:?}");
+            assert!(b.of_mean.error.is_nan() && b.spread.median.value.is_nan(), "{b:?}");
             assert!(b.spread.within.iter().all(|w| w.value.is_nan()), "{b:?}");
             write(&path, &rows).unwrap();
             let anew = std::fs::read_to_string(&path).unwrap();

@@ -434,7 +434,7 @@ impl App {
         let Some(mut dialog) = self.path_dialog.take() else { return };
         match (dialog.show(ui), dialog.purpose) {
             (Answer::Waiting, _) => self.path_dialog = Some(dialog),
-            (Answer::Cancelled, _) => {}
+            (Answer::Cancelled, _) => self.has_failed_to_save(),
             (Answer::Path(path), Purpose::Scene) => self.leave_for(SceneSource::File(path)),
             (Answer::Path(path), Purpose::Weather) => self.take_weather(&path),
             (Answer::Path(path), Purpose::Save(kind)) => self.save_to(kind, path),

@@ -312,7 +312,7 @@ impl Auditor {
             .collect();
     }
 
-    /// Estimated error of every patch, % of the mean irradiance, for false colours; `None` while it is
+    /// Estimated error of every patch, % of the light there (the mean at least), for false colours; `None` while it is
     /// not known.
     pub(super) fn error_percent(&self, mesh: &PatchMesh) -> Option<Vec<f32>> {
         let errors = &self.findings.as_ref()?.map.error;

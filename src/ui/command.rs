@@ -22,6 +22,8 @@ pub(super) enum SaveKind {
     LitMesh,
     /// The model mended, OBJ with MTL and sidecar.
     RepairedCopy,
+    /// The scene with what the user has done to lamps, materials and bookmarks, OBJ with MTL and sidecar.
+    EditedCopy,
 }
 
 impl SaveKind {
@@ -33,6 +35,7 @@ impl SaveKind {
             Self::PatchTable => "Save patch table (CSV)",
             Self::LitMesh => "Save lit mesh (PLY)",
             Self::RepairedCopy => "Save repaired copy (OBJ)",
+            Self::EditedCopy => "Save a copy with these lamps (OBJ)",
         }
     }
 
@@ -43,7 +46,7 @@ impl SaveKind {
             Self::Hdr => "exr",
             Self::PatchTable => "csv",
             Self::LitMesh => "ply",
-            Self::RepairedCopy => "obj",
+            Self::RepairedCopy | Self::EditedCopy => "obj",
         }
     }
 }

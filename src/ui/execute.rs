@@ -553,15 +553,15 @@ impl App {
 
     /// Saves on a helper thread; the outcome comes as a message.
     pub(super) fn save_to(&mut self, kind: SaveKind, path: PathBuf) {
-        if kind == SaveKind::RepairedCopy {
-            let path = if path.extension().is_none() { path.with_extension(kind.extension()) } else { path };
-            if let Some(scene) = &self.scene_shown {
-                self.files.save_repaired(path, Arc::clone(scene));
+        let path = if path.extension().is_none() { path.with_extension(kind.extension()) } else { path };
+        if let (SaveKind::RepairedCopy | SaveKind::EditedCopy, Some(scene)) = (kind, &self.scene_shown) {
+            match kind {
+                SaveKind::RepairedCopy => self.files.save_repaired(path, Arc::clone(scene)),
+                _ => self.save_edited(path),
             }
             return;
         }
         let (Some(prepared), Some(camera)) = (self.picture.prepared.clone(), self.camera()) else { return };
-        let path = if path.extension().is_none() { path.with_extension(kind.extension()) } else { path };
         if kind == SaveKind::Screenshot {
             self.screenshot = Some(path);
             self.screenshot_wanted = true;
@@ -580,16 +580,6 @@ impl App {
             gains: self.gains(),
         };
         self.files.save(kind, path, job);
-    }
-
-    /// Writes what was edited beside the scene's file.
-    pub(super) fn save_sidecar(&mut self) {
-        self.begin_saving();
-        let Some(scene) = &self.scene_shown else { return };
-        let Some(path) = scene.source.path() else { return };
-        let edits = self.edits.clone();
-        let bookmarks = (self.views.clone(), self.start_view);
-        self.files.save_sidecar(path, Arc::clone(scene), edits, bookmarks);
     }
 
     /// Tells the user something that went wrong.

@@ -13,7 +13,8 @@ use crate::outputs::{
 };
 use crate::render::{StillOptions, render_still};
 use crate::scene::{
-    LengthUnit, Lighting, Scene, SceneSource, UpAxis, View, sidecar_path, write_frame, write_sidecar,
+    LengthUnit, Lighting, Scene, SceneError, SceneSource, UpAxis, View, sidecar_path, write_frame,
+    write_sidecar,
 };
 use crate::solver::PatchLight;
 use std::path::{Path, PathBuf};
@@ -162,8 +163,8 @@ impl Files {
                 SaveKind::Hdr | SaveKind::Screenshot => save_picture_of(&path, &job),
                 SaveKind::PatchTable => save_table(&path, &job),
                 SaveKind::LitMesh => save_mesh(&path, &job),
-                // It needs no light and goes its own way.
-                SaveKind::RepairedCopy => return repaired(path, &job.prepared.scene),
+                // They need no light and go their own way.
+                SaveKind::RepairedCopy | SaveKind::EditedCopy => return repaired(path, &job.prepared.scene),
             };
             told(result, path)
         });
@@ -180,26 +181,29 @@ impl Files {
         path: &Path,
         scene: Arc<Scene>,
         edits: Edits,
-        (views, start_view): (Vec<View>, usize),
+        bookmarks: (Vec<View>, usize),
     ) {
         let sidecar = sidecar_path(path);
-        self.spawn("save sidecar", move || {
-            // Lamps that were added may not have come to the screen yet.
-            let scene = scene.with_placed(edits.placed);
-            let mut scene = match scene.with_daylight(edits.daylight.as_ref()) {
-                Ok(scene) => scene,
-                Err(error) => return FileNews::SaveFailed(error.to_string()),
-            };
-            (scene.views, scene.start_view) = (views, start_view);
-            let mut repainted = Vec::new();
-            for (index, value) in edits.reflectance.iter().enumerate() {
-                if let (Some(reflectance), Some(material)) = (value, scene.materials.get_mut(index)) {
-                    material.reflectance = *reflectance;
-                    repainted.push(index as u32);
-                }
+        self.spawn("save sidecar", move || match write_edits(&sidecar, &scene, edits, bookmarks) {
+            Ok(()) => FileNews::Saved(sidecar),
+            Err(error) => FileNews::SaveFailed(error.to_string()),
+        });
+    }
+
+    /// Writes a copy of the scene, and what the user has done to it to the copy's sidecar.
+    pub(super) fn save_edited(
+        &self,
+        copy: PathBuf,
+        scene: Arc<Scene>,
+        edits: Edits,
+        bookmarks: (Vec<View>, usize),
+    ) {
+        self.spawn("save copy", move || {
+            if let Err(error) = save_repaired(&copy, &scene) {
+                return FileNews::SaveFailed(error.to_string());
             }
-            match write_sidecar(&sidecar, &scene, &edits.lighting, &repainted) {
-                Ok(()) => FileNews::Saved(sidecar),
+            match write_edits(&sidecar_path(&copy), &scene, edits, bookmarks) {
+                Ok(()) => FileNews::Saved(copy),
                 Err(error) => FileNews::SaveFailed(error.to_string()),
             }
         });
@@ -254,6 +258,26 @@ fn stamps(files: &[PathBuf]) -> Vec<Option<(SystemTime, u64)>> {
 fn after_a_moment(files: &[PathBuf]) -> Vec<Option<(SystemTime, u64)>> {
     std::thread::sleep(REST);
     stamps(files)
+}
+
+/// Writes what the user has done to a scene to the sidecar at `path`.
+fn write_edits(
+    path: &Path,
+    scene: &Scene,
+    edits: Edits,
+    (views, start_view): (Vec<View>, usize),
+) -> Result<(), SceneError> {
+    // Lamps that were added may not have come to the screen yet.
+    let mut scene = scene.with_placed(edits.placed).with_daylight(edits.daylight.as_ref())?;
+    (scene.views, scene.start_view) = (views, start_view);
+    let mut repainted = Vec::new();
+    for (index, value) in edits.reflectance.iter().enumerate() {
+        if let (Some(reflectance), Some(material)) = (value, scene.materials.get_mut(index)) {
+            material.reflectance = *reflectance;
+            repainted.push(index as u32);
+        }
+    }
+    write_sidecar(path, &scene, &edits.lighting, &repainted)
 }
 
 fn repaired(path: PathBuf, scene: &Scene) -> FileNews {

@@ -1,11 +1,13 @@
 //! Lamps, materials and bookmarks that are not in the scene's sidecar yet: asked about before the scene is left.
 
 use super::app::App;
+use super::command::SaveKind;
 use super::state::Edits;
 use super::theme;
 use crate::scene::{DaylightChoice, LampState, OutdoorSwitch, Scene, SceneSource, View, sidecar_path};
 use egui::{Button, Id, Key, Modal, RichText};
-use std::path::Path;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 /// Numbers nearer than this are the same: a sidecar keeps a few digits.
 const SAME: f64 = 1e-3;
@@ -39,6 +41,16 @@ impl Work {
             views: views.to_vec(),
             start_view,
         }
+    }
+
+    /// The same with lamps switched and dimmed and the sky as `saved`: of an embedded scene, which is there to be tried,
+    /// these are no work that would be missed.
+    fn without_switches(mut self, saved: &Self) -> Self {
+        for (lamp, saved) in self.lamps.iter_mut().zip(&saved.lamps) {
+            (lamp.on, lamp.dimmer) = (saved.on, saved.dimmer);
+        }
+        self.daylight.clone_from(&saved.daylight);
+        self
     }
 
     /// What differs from what was `saved`, in words: "2 lamps, 1 bookmark"; `None` where nothing does.
@@ -123,11 +135,12 @@ impl Leaving {
 }
 
 impl App {
-    /// What is not saved yet, in words. Embedded scenes have no file to save to.
+    /// What is not saved yet, in words.
     fn unsaved(&self) -> Option<String> {
         let scene = self.scene_shown.as_ref()?;
-        scene.source.path()?;
-        self.work(scene).changes(&self.saved)
+        let work = self.work(scene);
+        let work = if scene.source.path().is_some() { work } else { work.without_switches(&self.saved) };
+        work.changes(&self.saved)
     }
 
     fn work(&self, scene: &Scene) -> Work {
@@ -164,12 +177,32 @@ impl App {
         self.saving = self.scene_shown.as_ref().map(|scene| self.work(scene));
     }
 
-    /// A file has been written: where it is the sidecar, its contents are saved, and who wanted to leave does.
+    /// Writes what was edited beside the scene's file.
+    pub(super) fn save_sidecar(&mut self) {
+        self.begin_saving();
+        let Some(scene) = &self.scene_shown else { return };
+        let Some(path) = scene.source.path() else { return };
+        let bookmarks = (self.views.clone(), self.start_view);
+        self.files.save_sidecar(path, Arc::clone(scene), self.edits.clone(), bookmarks);
+    }
+
+    /// Writes a copy of the scene with what was edited.
+    pub(super) fn save_edited(&mut self, copy: PathBuf) {
+        self.begin_saving();
+        let Some(scene) = &self.scene_shown else { return };
+        let bookmarks = (self.views.clone(), self.start_view);
+        self.files.save_edited(copy, Arc::clone(scene), self.edits.clone(), bookmarks);
+    }
+
+    /// A file has been written: where it is the sidecar, or the copy of a scene without a file, what was edited is saved,
+    /// and who wanted to leave does.
     pub(super) fn has_saved(&mut self, ctx: &egui::Context, path: &Path) {
-        let Some(model) = self.scene_shown.as_ref().and_then(|scene| scene.source.path()) else {
-            return;
+        let Some(scene) = &self.scene_shown else { return };
+        let is_of_the_scene = match scene.source.path() {
+            Some(model) => *path == sidecar_path(model),
+            None => path.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("obj")),
         };
-        if *path != sidecar_path(model) {
+        if !is_of_the_scene {
             return;
         }
         if let Some(saved) = self.saving.take() {
@@ -180,7 +213,7 @@ impl App {
         }
     }
 
-    /// A file could not be written: the user stays.
+    /// A file could not be written, or the user has given up naming it: the user stays.
     pub(super) fn has_failed_to_save(&mut self) {
         self.saving = None;
         self.leaving.take_if(|leaving| leaving.is_saving);
@@ -204,20 +237,21 @@ impl App {
             self.leave(ui.ctx(), leaving.to);
             return;
         };
-        let Some(path) = scene.source.path() else { return };
-        let sidecar = sidecar_path(path);
-        let sidecar = sidecar.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
+        let (to_where, save) = match scene.source.path().map(sidecar_path) {
+            Some(sidecar) => {
+                let name = sidecar.file_name().map(|name| name.to_string_lossy().into_owned());
+                (format!("Saving writes {} beside the model.", name.unwrap_or_default()), "Save")
+            }
+            None => ("The scene is embedded: saving writes a copy of it.".to_owned(), "Save a copy..."),
+        };
         let mut answer = None;
         let shown = Modal::new(Id::unique("unsaved changes")).show(ui.ctx(), |ui| {
             ui.set_max_width(400.0);
             ui.label(RichText::new(format!("Save the changes to {}?", scene.name)).heading());
-            ui.label(
-                RichText::new(format!("Changed: {changes}. Saving writes {sidecar} beside the model."))
-                    .color(theme::TEXT_WEAK),
-            );
+            ui.label(RichText::new(format!("Changed: {changes}. {to_where}")).color(theme::TEXT_WEAK));
             ui.add_space(6.0);
             ui.horizontal(|ui| {
-                let save = ui.add(Button::new("Save"));
+                let save = ui.add(Button::new(save));
                 if !leaving.is_shown {
                     save.request_focus();
                 }
@@ -243,7 +277,11 @@ impl App {
             Some(Choice::Save) => {
                 leaving.is_saving = true;
                 self.leaving = Some(leaving);
-                self.save_sidecar();
+                if scene.source.path().is_some() {
+                    self.save_sidecar();
+                } else {
+                    self.files.save_dialog(SaveKind::EditedCopy, &self.suggested_path(SaveKind::EditedCopy));
+                }
             }
         }
     }
@@ -282,5 +320,11 @@ mod tests {
         }
         let told = work(&edits, &views).changes(&saved);
         assert_eq!(told.as_deref(), Some("1 lamp, 1 material, 2 bookmarks"));
+        // Of an embedded scene a colour is work and a switch is none.
+        let told = work(&edits, &views).without_switches(&saved).changes(&saved);
+        assert_eq!(told.as_deref(), Some("1 material, 2 bookmarks"));
+        edits.lighting.lamps[0].exitance[2] *= 0.5;
+        let told = work(&edits, &scene.views).without_switches(&saved).changes(&saved);
+        assert_eq!(told.as_deref(), Some("1 lamp, 1 material"));
     }
 }

@@ -208,7 +208,7 @@ impl App {
             FileNews::Opened(path) => self.leave_for(SceneSource::File(path)),
             FileNews::Weather(path) => self.take_weather(&path),
             FileNews::SaveAs(kind, path) => self.save_to(kind, path),
-            FileNews::Cancelled => {}
+            FileNews::Cancelled => self.has_failed_to_save(),
             FileNews::NoDialog(purpose) => {
                 let suggestion = match purpose {
                     Purpose::Save(kind) => self.suggested_path(kind),

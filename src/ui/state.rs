@@ -66,7 +66,7 @@ pub enum Quantity {
     Residual,
     /// Luminous flux that has not been passed on yet, lm.
     Unshot,
-    /// Estimated error of the irradiance as shown, % of its mean over the scene.
+    /// Estimated error of the irradiance as shown, % of the light there (its mean at least).
     Error,
 }
 
@@ -170,7 +170,7 @@ impl Quantity {
                 "Flux that has arrived and not been passed on; once all rows are there, that of the residual"
             }
             Self::Error => {
-                "How far the illuminance as shown is from the truth on each patch, RMS, of the mean of the scene: \
+                "How far the illuminance as shown is from the truth on each patch, RMS, of the light there (the mean at least): \
                  what rays found at some patches, spread to the others by what the picture shows there"
             }
             Self::Aspect => "Longest extent squared over area: 1 for a square",

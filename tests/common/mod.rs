@@ -167,3 +167,18 @@ pub(crate) fn close(what: &str, computed: f64, expected: f64, relative: f64) {
         (computed - expected) / expected
     );
 }
+
+/// Spearman's rank correlation.
+pub(crate) fn rank_correlation(a: &[f64], b: &[f64]) -> f64 {
+    let ranks = |x: &[f64]| {
+        let mut order: Vec<usize> = (0..x.len()).collect();
+        order.sort_by(|&i, &j| x[i].total_cmp(&x[j]));
+        let mut ranks = vec![0.0; x.len()];
+        order.iter().enumerate().for_each(|(rank, &i)| ranks[i] = rank as f64);
+        ranks
+    };
+    let (a, b) = (ranks(a), ranks(b));
+    let middle = (a.len() - 1) as f64 / 2.0;
+    let of = |x: &[f64], y: &[f64]| x.iter().zip(y).map(|(x, y)| (x - middle) * (y - middle)).sum::<f64>();
+    of(&a, &b) / (of(&a, &a) * of(&b, &b)).sqrt()
+}

@@ -1,10 +1,13 @@
 //! What is not saved is asked about before the scene is left, and nothing is where nothing was changed.
 
 use crate::files::drop_on;
-use crate::support::{Counting, click, press, reveal, says, solution_of, wait_until, window, write_model};
+use crate::support::{
+    Counting, click, press, reveal, says, solution, solution_of, wait_until, window, write_model,
+};
 use egui::{Key, Modifiers, ViewportCommand, ViewportEvent, ViewportId};
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable as _;
+use lumenwalk::scene::{SceneSource, load};
 use lumenwalk::ui::App;
 use std::path::PathBuf;
 
@@ -138,4 +141,33 @@ fn a_sidecar_that_cannot_be_written_keeps_the_window_open() {
     harness.key_press_modifiers(Modifiers::COMMAND, Key::Z);
     harness.run_steps(3);
     assert!(harness.state().lighting().lamps[0].on, "and it goes on");
+}
+
+#[test]
+fn the_colour_of_a_lamp_of_an_embedded_scene_is_kept_in_a_copy() {
+    let cornell = SceneSource::Builtin("cornell".to_owned());
+    let mut harness = window(&Counting::showing(solution(&cornell)), false);
+    press(&mut harness, Key::Num1);
+    assert!(!close(&mut harness).contains(&ViewportCommand::CancelClose), "a switch is no work");
+    click(&mut harness, "Colour of Ceiling lamp");
+    click(&mut harness, "Warm");
+    press(&mut harness, Key::Escape);
+    assert!(close(&mut harness).contains(&ViewportCommand::CancelClose));
+    assert!(says(&harness, "The scene is embedded: saving writes a copy of it."));
+    click(&mut harness, "Save a copy...");
+    wait_until(&mut harness, "a name", |h| says(h, "Path of the file"));
+    click(&mut harness, "Cancel");
+    close(&mut harness);
+    click(&mut harness, "Save a copy...");
+    wait_until(&mut harness, "a name", |h| says(h, "Path of the file"));
+    let folder = tempfile::tempdir().expect("a folder");
+    let copy = folder.path().join("mine.obj");
+    harness.key_press_modifiers(Modifiers::COMMAND, Key::A);
+    harness.event(egui::Event::Text(copy.display().to_string()));
+    harness.run_steps(2);
+    harness.get_by_label("Save file").click();
+    wait_until(&mut harness, "the end", |h| answers(h).contains(&ViewportCommand::Close));
+    let again = load(&SceneSource::File(copy)).expect("a scene");
+    let warm = again.luminaires[0].initial.exitance;
+    assert!(warm[0] > 1.5 * warm[2], "{warm:?}");
 }

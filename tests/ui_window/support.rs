@@ -83,7 +83,12 @@ pub(crate) fn write_model(folder: &Path) -> PathBuf {
 
 /// The snapshot of a finished solve of a model.
 pub(crate) fn solution_of(model: &Path) -> Arc<Snapshot> {
-    let scene = scene::load(&SceneSource::File(model.to_owned())).expect("a scene");
+    solution(&SceneSource::File(model.to_owned()))
+}
+
+/// The snapshot of a finished solve.
+pub(crate) fn solution(source: &SceneSource) -> Arc<Snapshot> {
+    let scene = scene::load(source).expect("a scene");
     let settings = SolveSettings { patches: lumenwalk::mesh::PatchTarget::Count(700), ..Default::default() };
     let never = AtomicBool::new(false);
     let mut solution =

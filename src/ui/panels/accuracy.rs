@@ -55,17 +55,24 @@ fn headline(ui: &mut egui::Ui, model: &Model<'_>, out: &mut Commands) {
             ui.label(RichText::new(word).color(verdict.colour))
         };
         if let Some(budget) = &auditor.budget {
+            let smoothing = if budget.smoothing.error > 0.0 {
+                let changes = percent(budget.smoothing.error);
+                format!("\nSmooth shading of curved surfaces, which is no error of the light, changes the picture by {changes}.")
+            } else {
+                String::new()
+            };
             label.on_hover_text(format!(
-                "Root mean square over the receiving area of what the illuminance as shown is off by, of its mean \
-                 of {} lx. Squares count bright places beside lamps most.\n95 %: {} to {}. {} receivers, {} rays, \
-                 {}.\nRelative to the light at each bright place: {}.",
+                "Root mean square over the receiving area of what the illuminance as shown is off by, of the light \
+                 there, or of its mean of {} lx where that is more.\n95 %: {} to {}. {} receivers, {} rays, {}.\n\
+                 Of the mean everywhere, bright places beside lamps included: {}.{}",
                 units::digits(crate::scene::LUMINOUS_EFFICACY * budget.mean_irradiance),
                 percent(budget.total.low),
                 percent(budget.total.high),
                 units::count(budget.receivers),
                 units::count(budget.rays as usize),
                 units::duration(budget.seconds),
-                percent(budget.local.error),
+                percent(budget.of_mean.error),
+                smoothing,
             ));
         }
         ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {

@@ -151,7 +151,12 @@ fn file(ui: &mut egui::Ui, model: &Model<'_>, out: &mut Commands) {
         model.scene.is_some(),
         Command::Save(SaveKind::RepairedCopy),
     );
-    item(ui, out, "Save lamps, materials and bookmarks", "", has_file, Command::SaveSidecar);
+    if model.scene.is_some() && !has_file {
+        let copy = SaveKind::EditedCopy;
+        item(ui, out, copy.title(), "", true, Command::Save(copy));
+    } else {
+        item(ui, out, "Save lamps, materials and bookmarks", "", has_file, Command::SaveSidecar);
+    }
     ui.separator();
     item(ui, out, "Quit", "Ctrl-Q", true, Command::Quit);
 }

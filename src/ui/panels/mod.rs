@@ -159,11 +159,15 @@ fn swatch(
         .small()
         .min_size(egui::Vec2::new(22.0, 18.0));
     let config = MenuConfig::new().close_behavior(egui::PopupCloseBehavior::CloseOnClickOutside);
-    let (response, _) = MenuButton::from_button(swatch).config(config).ui(ui, |ui| {
+    let (response, opened) = MenuButton::from_button(swatch).config(config).ui(ui, |ui| {
         ui.set_min_width(250.0);
         super::theme::undo_menu_style(ui);
         contents(ui);
     });
+    // What it belongs to has been scrolled out of sight.
+    if opened.is_some() && !ui.is_rect_visible(response.rect) {
+        egui::Popup::close_all(ui.ctx());
+    }
     response.on_hover_text(tip).accessible_name(name);
 }
 

@@ -261,7 +261,7 @@ fn settings(ui: &mut egui::Ui, now: &SolveSettings, out: &mut Commands) {
             }
         }
     });
-    combo(ui, "Receiving points", points_name(now.points), |ui| {
+    combo(ui, "Points", points_name(now.points), |ui| {
         for points in ReceivingPoints::ALL {
             if ui.selectable_label(now.points == points, points_name(points)).clicked() {
                 new.points = points;
