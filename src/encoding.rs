@@ -5,7 +5,14 @@ use std::borrow::Cow;
 
 /// The text of a file: in UTF-8, in UTF-16, or else in Windows-1252, in which any
 /// bytes are a text and different bytes are different characters.
+///
+/// Lines that end in a carriage return alone, as on old systems, end in a line feed afterwards.
 pub fn decode(bytes: &[u8]) -> Cow<'_, str> {
+    let text = decoded(bytes);
+    if text.contains('\r') && !text.contains('\n') { Cow::Owned(text.replace('\r', "\n")) } else { text }
+}
+
+fn decoded(bytes: &[u8]) -> Cow<'_, str> {
     if let Some((encoding, _)) = Encoding::for_bom(bytes) {
         return encoding.decode_with_bom_removal(bytes).0;
     }
@@ -52,6 +59,10 @@ mod tests {
         assert_eq!(decode(&unmarked.clone().flat_map(u16::to_le_bytes).collect::<Vec<u8>>()), "v 1 0 0\nv ö");
         assert_eq!(decode(&unmarked.flat_map(u16::to_be_bytes).collect::<Vec<u8>>()), "v 1 0 0\nv ö");
         assert_eq!(decode(b"\xef\xbb\xbfv 1"), "v 1");
+        assert_eq!(
+            (decode(b"v 1\rv 2\r").as_ref(), decode(b"v 1\r\nv 2").as_ref()),
+            ("v 1\nv 2\n", "v 1\r\nv 2")
+        );
         // Half a character at the end is no reason to refuse.
         assert!(decode(&utf16(true)[..5]).starts_with('v'));
     }

@@ -18,7 +18,7 @@ pub struct Shortage {
 }
 
 /// Bytes in words.
-fn told(bytes: f64) -> String {
+pub fn told(bytes: f64) -> String {
     if bytes < 1e10 { format!("{:.0} MB", bytes / 1e6) } else { format!("{:.0} GB", bytes / 1e9) }
 }
 

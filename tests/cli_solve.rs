@@ -390,4 +390,17 @@ fn a_limit_of_the_address_space_is_a_refusal_and_no_crash() {
         assert_eq!(output.status.code(), Some(1), "{said}");
         assert!(said.contains("patches need about") && said.contains("patches would fit"), "{said}");
     }
+    // However little there is: the system's refusal of memory and of threads is told as well.
+    for kilobytes in [60_000, 110_000, 200_000, 300_000] {
+        for what in ["solve", "check"] {
+            let limited = format!("ulimit -v {kilobytes}; exec \"$0\" {what} builtin:house");
+            let program = place.command(&[]).get_program().to_owned();
+            let output =
+                std::process::Command::new("sh").arg("-c").arg(limited).arg(program).output().unwrap();
+            let said = String::from_utf8_lossy(&output.stderr);
+            let is_done = what == "check" && output.status.code() == Some(0);
+            assert!(is_done || output.status.code() == Some(1), "{kilobytes}: {:?} {said}", output.status);
+            assert!(is_done || said.contains("ulimit") || said.contains("would fit"), "{kilobytes}: {said}");
+        }
+    }
 }

@@ -163,6 +163,30 @@ fn outputs_that_cannot_be_written_are_refused_before_the_solve() {
 }
 
 #[test]
+fn what_is_read_is_not_overwritten() {
+    let place = Workplace::with_room(0.5);
+    std::fs::write(place.path("points.csv"), "x,y,z,nx,ny,nz\n1,1,1,0,1,0\n").unwrap();
+    std::fs::write(place.path("other.mtl"), "newmtl a\n").unwrap();
+    let before = place.files();
+    let outputs = [
+        ["--mesh", "room.obj"],
+        ["--patch-table", "room.mtl"],
+        ["--report", "./room.obj"],
+        ["--mesh", "other.mtl"],
+        ["--patch-table", "points.csv"],
+    ];
+    for [option, path] in outputs {
+        let arguments =
+            ["solve", "room.obj", "--points", "points.csv", "--irradiance", "out.csv", option, path];
+        let said = place.fail(2, &arguments);
+        assert!(said.contains("is an input; choose another name"), "{option} {path}: {said}");
+    }
+    let contents = |name: &str| std::fs::read_to_string(place.path(name)).unwrap();
+    assert_eq!(place.files(), before);
+    assert!(contents("room.obj").contains("\nf ") && contents("other.mtl") == "newmtl a\n");
+}
+
+#[test]
 fn a_reader_that_goes_away_is_no_error() {
     let place = Workplace::with_room(0.5);
     for arguments in [&["scenes"][..], &["check", "room.obj"], &["plan", "room.obj"], &["--help"]] {

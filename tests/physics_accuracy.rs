@@ -56,16 +56,10 @@ impl Case {
         let Self { solved, lighting, light, exitance, shown } = self;
         let (mesh, reflectance) = (&*solved.mesh, &*solved.reflectance);
         let transport = solved.transport.as_deref().expect("solved");
-        Witness::new(&Answer {
-            mesh,
-            transport,
-            light,
-            exitance,
-            lighting,
-            reflectance,
-            shown,
-            smoothed: None,
-        })
+        let (smooth, direct) = (false, None);
+        let answer =
+            Answer { mesh, transport, light, exitance, lighting, reflectance, shown, smooth, direct };
+        Witness::new(&answer)
     }
 
     /// Patches on which errors count.
@@ -251,13 +245,8 @@ fn intervals_hold_with_reflections_and_shadows_and_where_a_goal_ends_the_audit()
         let case = Case::new(solved(&scene, &settings(PatchTarget::Count(patches), Method::Lines, lines)));
         // Half of them as on the way to a goal, near which an audit ends as soon as it can tell.
         let decide = (key % 2 == 0).then_some(0.06);
-        let how = AuditSettings {
-            decide,
-            receivers: 640,
-            seconds: 1e9,
-            seed: u64::from(key),
-            ..AuditSettings::default()
-        };
+        let seed = u64::from(key);
+        let how = AuditSettings { decide, receivers: 640, seconds: 1e9, seed, ..AuditSettings::default() };
         let budget = audited(&case, &how);
         let error = case.true_error(6, budget.mean_irradiance, &truth);
         // What is true is known to some hundredths of it: it is summed over points, from another solve.

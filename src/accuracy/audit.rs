@@ -28,10 +28,12 @@ pub struct Answer<'a> {
     pub lighting: &'a Lighting,
     /// Reflectance of each patch per band.
     pub reflectance: &'a [[f32; 3]],
-    /// The irradiance that the picture shows, each facet by itself.
+    /// The irradiance that the picture shows.
     pub shown: &'a Shown,
-    /// The same where curved surfaces are shaded smoothly across their facets; `None` where none is.
-    pub smoothed: Option<&'a Shown>,
+    /// Whether points lie on the curved surfaces that facets stand for, with their normals, as the picture shows them.
+    pub smooth: bool,
+    /// What of `shown` is direct light on elements; `None` where patches carry all light.
+    pub direct: Option<&'a Shown>,
 }
 
 /// How thorough an audit is.
@@ -95,9 +97,11 @@ pub struct Interreflection {
 /// the mean and to the mean elsewhere, so that the inside of a lamp shade does not rule a house.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct ErrorBudget {
-    /// Form factors and visibility.
+    /// Direct light: how it is interpolated on its elements. Zero where patches carry it.
+    pub direct: Estimate,
+    /// Interreflected light: form factors and visibility.
     pub form_factors: Estimate,
-    /// Patches: discretisation.
+    /// Interreflected light, or all where patches carry it: discretisation.
     pub mesh: Estimate,
     /// Sweeps that are missing.
     pub solver: AlgebraicError,
@@ -107,9 +111,6 @@ pub struct ErrorBudget {
     pub averages: Estimate,
     /// As `total`, but relative to the mean everywhere: squares count bright places beside lamps most.
     pub of_mean: Estimate,
-    /// What smooth shading of curved surfaces changes about the picture: no error of the light, which is that of the facets,
-    /// and in none of the others.
-    pub smoothing: Estimate,
     /// How the error as shown is spread over the area.
     pub spread: Spread,
     /// Mean luminance of irradiance over the receiving area, W/m².
@@ -138,6 +139,8 @@ pub struct Checked {
     pub of_light: f64,
     /// What its row gathers less the truth, over the mean irradiance.
     pub form_factors: f64,
+    /// As `square`, of what patches and their rows are off by: direct light on elements left out.
+    pub square_of_patches: f64,
 }
 
 /// What an audit found.
@@ -149,17 +152,20 @@ pub struct Findings {
     pub receivers: Vec<Checked>,
     /// An estimate of where the picture is wrong, a value a patch.
     pub map: ErrorMap,
+    /// The same of what patches and their rows are off by, which smaller patches can mend.
+    pub map_of_patches: ErrorMap,
 }
 
 /// What one receiver brought: samples of the four errors.
 #[derive(Clone, Copy, Debug, Default)]
 struct Found {
     patch: u32,
+    direct: Sample,
+    interreflected: Sample,
     form_factors: Sample,
     mesh: Sample,
     total: Sample,
     averages: Sample,
-    smoothing: Sample,
     of_light: f64,
     /// Rays cast.
     rays: u64,
@@ -349,21 +355,28 @@ impl<'a> Audit<'a> {
         };
         let receivers = checked(&found);
         let budget = ErrorBudget {
+            direct: self.estimate(&found, |f| f.direct),
             form_factors: self.estimate(&found, |f| f.form_factors),
             mesh: self.estimate(&found, |f| f.mesh),
             solver,
             total: with_solver(self.estimate(&found, |f| f.total)),
             averages: self.estimate(&found, |f| f.averages),
             of_mean: with_solver(self.estimate(&found, |f| f.total.of_mean())),
-            smoothing: estimate(&found.iter().map(|f| f.smoothing).collect::<Vec<_>>(), 0.0),
             spread: spread(&receivers, self.answer.mesh, &self.counts),
             mean_irradiance: self.mean,
             receivers: found.len(),
             rays,
             seconds: clock.elapsed().as_secs_f64(),
         };
-        let map = map(self.answer.mesh, &self.counts, &self.signs(), &receivers, budget.total.error);
-        Some(Findings { budget, receivers, map })
+        let signs = self.signs();
+        let map_to =
+            |receivers: &[Checked], total: f64| map(self.answer.mesh, &self.counts, &signs, receivers, total);
+        let map = map_to(&receivers, budget.total.error);
+        let of_patches: Vec<Checked> =
+            receivers.iter().map(|r| Checked { square: r.square_of_patches, ..*r }).collect();
+        let interreflected = self.estimate(&found, |f| f.interreflected);
+        let map_of_patches = map_to(&of_patches, interreflected.error);
+        Some(Findings { budget, receivers, map, map_of_patches })
     }
 
     /// Running sum of the probabilities by which patches are drawn once some have told where the picture is
@@ -518,13 +531,16 @@ impl<'a> Audit<'a> {
             Some(passed_on) => passed_on[i] - (whole[k].constant - whole[k].direct),
             None => by_row - whole[k].constant,
         };
+        let direct = witness.direct_on(patch, r, s);
+        let of_direct = |k: usize| direct.map_or(0.0, |direct| direct - there[k].direct);
         Some(Found {
             patch,
+            direct: sample([0, 1].map(of_direct)),
+            interreflected: sample([0, 1].map(|k| shown - there[k].shown - of_direct(k))),
             form_factors: sample([0, 1].map(sampled)),
-            mesh: sample([0, 1].map(|k| shown - there[k].shown - sampled(k))),
+            mesh: sample([0, 1].map(|k| shown - there[k].shown - of_direct(k) - sampled(k))),
             total: sample([0, 1].map(|k| shown - there[k].shown)),
             averages: sample([0, 1].map(|k| by_row - whole[k].shown)),
-            smoothing: sample([witness.smoothing_on(patch, r, s); 2]),
             of_light: (relative(shown) - truth) / truth.max(DARKEST),
             rays: cast,
         })
@@ -550,6 +566,7 @@ fn checked(found: &[Found]) -> Vec<Checked> {
         weight: f.total.weight / count,
         shown: f.total.deviation,
         square: f.total.square / (f.total.light * f.total.light),
+        square_of_patches: f.interreflected.square / (f.total.light * f.total.light),
         of_light: f.of_light,
         form_factors: f.form_factors.deviation,
     };

@@ -6,7 +6,7 @@ use super::sobol::Sobol;
 use crate::daylight::SUN_DIAMETER;
 use crate::direct::{Elements, NO_ELEMENT};
 use crate::geometry::{Bvh, Frame, Ray};
-use crate::mesh::{NO_PATCH, PatchMesh};
+use crate::mesh::{NO_PATCH, PatchMesh, Piece};
 use crate::scene::{Outdoors, luminance_weighted};
 use crate::visibility::Glass;
 use glam::DVec3;
@@ -105,8 +105,10 @@ pub struct Witness<'a> {
     /// Luminance of what each face passes on to its far side of what is shown there; empty where nothing passes light.
     shown_passed: Vec<[f32; 3]>,
     elements: Option<Arc<Elements>>,
-    /// As `shown` where curved surfaces are shaded smoothly; empty where none is.
-    smoothed: Vec<[f32; 3]>,
+    /// Unit normals at the corners of each triangle where surfaces count as curved; empty where facets are what they are.
+    normals: Vec<[DVec3; 3]>,
+    /// What of `shown` is direct light on elements; empty where patches carry all.
+    direct: Vec<[f32; 3]>,
     /// Patches that shine, with their power.
     lamps: Vec<(u32, f64)>,
     /// What shines by photometry.
@@ -116,6 +118,20 @@ pub struct Witness<'a> {
     offset: f64,
     /// Panes of glass, which dim by luminance here.
     glass: Glass,
+}
+
+/// Unit normals of the front at the corners of the triangles of [`PatchMesh::triangles`].
+fn corner_normals(mesh: &PatchMesh) -> Vec<[DVec3; 3]> {
+    let of_piece = |piece: &Piece| {
+        let corners = mesh.corners_of(piece);
+        (1..corners.len() - 1).map(|k| [0, k, k + 1].map(|k| corners[k].normal)).collect::<Vec<_>>()
+    };
+    mesh.pieces.iter().flat_map(of_piece).collect()
+}
+
+/// Luminance of what the corners of faces have.
+fn luminances(faces: &[[[f32; 3]; 3]]) -> Vec<[f32; 3]> {
+    faces.iter().map(|face| face.map(|h| luminance_weighted(h.map(f64::from)) as f32)).collect()
 }
 
 /// Of what the lamps are drawn by, this share heeds their power alone: none is left out.
@@ -132,7 +148,7 @@ pub struct LampChoice {
 impl<'a> Witness<'a> {
     /// Of a solved scene.
     pub fn new(answer: &Answer<'a>) -> Self {
-        let Answer { mesh, light, exitance, lighting, reflectance, shown, smoothed, .. } = *answer;
+        let Answer { mesh, light, exitance, lighting, reflectance, shown, smooth, direct, .. } = *answer;
         let (triangles, pieces) = mesh.triangles();
         let mut of_patch: Vec<Vec<(u32, f64)>> = vec![Vec::new(); mesh.patches.len()];
         for (index, (triangle, &piece)) in triangles.iter().zip(&pieces).enumerate() {
@@ -195,9 +211,8 @@ impl<'a> Witness<'a> {
             shown_reflected,
             shown_passed,
             elements: shown.elements.clone(),
-            smoothed: smoothed.map_or_else(Vec::new, |smoothed| {
-                smoothed.faces.iter().map(|face| face.map(|h| luminance_weighted(wide(h)) as f32)).collect()
-            }),
+            normals: if smooth { corner_normals(mesh) } else { Vec::new() },
+            direct: direct.map_or_else(Vec::new, |direct| luminances(&direct.faces)),
             lamps: (0..n)
                 .filter(|&i| sent(i) > 0.0)
                 .map(|i| (i as u32, sent(i) * mesh.patches[i].area))
@@ -213,7 +228,8 @@ impl<'a> Witness<'a> {
         }
     }
 
-    /// Draws a point of a patch for two numbers in 0..1: place, unit normal, and what the picture shows there
+    /// Draws a point of a patch for two numbers in 0..1: place, unit normal (that of a curved surface where it counts as
+    /// one), and what the picture shows there
     /// (luminance of irradiance, W/m²).
     pub fn point_on(&self, patch: u32, r: f64, s: f64) -> (DVec3, DVec3, f64) {
         let Some((triangle, [a, b, c])) = self.place_on(patch, r, s) else {
@@ -224,20 +240,20 @@ impl<'a> Witness<'a> {
         let side = self.mesh.patches[patch as usize].side;
         let piece = &self.mesh.pieces[self.pieces[triangle as usize] as usize];
         let shown = self.interpolated(&self.shown, 2 * triangle as usize + side as usize, [a, b, c]);
-        (p * a + q * b + t * c, self.mesh.normal_of(piece, side), shown)
+        let facet = self.mesh.normal_of(piece, side);
+        let normal = self
+            .normals
+            .get(triangle as usize)
+            .map_or(facet, |[m, n, o]| ((*m * a + *n * b + *o * c) * side.sign()).normalize_or(facet));
+        (p * a + q * b + t * c, normal, shown)
     }
 
-    /// What smooth shading adds to what is shown at the point of [`Witness::point_on`], W/m² of luminance.
-    pub fn smoothing_on(&self, patch: u32, r: f64, s: f64) -> f64 {
-        match self.place_on(patch, r, s) {
-            Some((triangle, weights)) if !self.smoothed.is_empty() => {
-                let side = 2 * triangle as usize + self.mesh.patches[patch as usize].side as usize;
-                let [facets, smooth] =
-                    [&self.shown, &self.smoothed].map(|values| self.interpolated(values, side, weights));
-                smooth - facets
-            }
-            _ => 0.0,
-        }
+    /// What of the irradiance shown at the point of [`Witness::point_on`] is direct light on elements, W/m² of luminance;
+    /// `None` where patches carry all.
+    pub fn direct_on(&self, patch: u32, r: f64, s: f64) -> Option<f64> {
+        let (triangle, weights) = self.place_on(patch, r, s).filter(|_| !self.direct.is_empty())?;
+        let side = 2 * triangle as usize + self.mesh.patches[patch as usize].side as usize;
+        Some(self.interpolated(&self.direct, side, weights))
     }
 
     /// Least and greatest irradiance that the picture shows on a patch, W/m² of luminance.

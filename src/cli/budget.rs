@@ -33,7 +33,8 @@ pub(super) fn lines(budget: &ErrorBudget, scene: &Scene) -> String {
     let line = |name: &str, e: Estimate| {
         vec![format!("  {name}"), percent(e.error), format!("({} to {})", percent(e.low), percent(e.high))]
     };
-    let mut rows = vec![
+    let rows = [
+        line("direct light", budget.direct),
         line("form factors", budget.form_factors),
         line("patches", budget.mesh),
         line("solver", budget.solver.estimate),
@@ -41,9 +42,6 @@ pub(super) fn lines(budget: &ErrorBudget, scene: &Scene) -> String {
         line("patch averages", budget.averages),
         line("in all, of the mean", budget.of_mean),
     ];
-    if budget.smoothing.high > 0.0 {
-        rows.push(line("smooth shading", budget.smoothing));
-    }
     format!(
         "error of irradiance, RMS, of the light there or of the mean of {} lx where that is more ({}, {} rays, {}):\n{}",
         text::significant(LUMINOUS_EFFICACY * budget.mean_irradiance),
@@ -116,6 +114,7 @@ pub(super) fn report(
     };
     let range = |r: Ranged| RangeReport { value: 100.0 * r.value, low: 100.0 * r.low, high: 100.0 * r.high };
     AccuracyReport {
+        direct_light: error(budget.direct, Some(timings.elements)),
         form_factors: error(budget.form_factors, Some(timings.rows + timings.balance)),
         patches: error(budget.mesh, Some(timings.mesh)),
         solver: error(budget.solver.estimate, Some(timings.sweeps)),
@@ -123,7 +122,6 @@ pub(super) fn report(
         as_shown: error(budget.total, None),
         patch_averages: error(budget.averages, None),
         of_the_mean: error(budget.of_mean, None),
-        smooth_shading: error(budget.smoothing, None),
         median_percent: range(budget.spread.median),
         area_within: budget
             .spread

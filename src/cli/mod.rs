@@ -67,7 +67,11 @@ pub fn run() -> ExitCode {
         }
     };
     interrupt::leave_nothing_half_written();
-    let result = match &arguments.command {
+    // These know how many threads they are to have.
+    let set_by_themselves =
+        matches!(arguments.command, None | Some(Command::Solve(_)) | Some(Command::Accuracy(_)));
+    let threads = if set_by_themselves { Ok(()) } else { options::set_threads(None) };
+    let result = threads.and_then(|()| match &arguments.command {
         None => window::run(&arguments.window),
         Some(Command::Solve(arguments)) => solve::run(arguments),
         Some(Command::Accuracy(arguments)) => accuracy::run(arguments),
@@ -76,7 +80,7 @@ pub fn run() -> ExitCode {
         Some(Command::Plan(arguments)) => plan::run(arguments),
         Some(Command::Sky(arguments)) => sky::run(arguments),
         Some(Command::Validate(arguments)) => validate::run(arguments),
-    };
+    });
     match result {
         Ok(()) => ExitCode::SUCCESS,
         Err(failure) => failure.report(),

@@ -149,13 +149,15 @@ impl SolveOptions {
     }
 }
 
-/// As [`SolveOptions::set_threads`]; `None` leaves all cores at work.
+/// As [`SolveOptions::set_threads`]; `None` sets all cores to work.
 pub(super) fn set_threads(threads: Option<u16>) -> Result<(), Failure> {
-    let Some(threads) = threads else { return Ok(()) };
-    rayon::ThreadPoolBuilder::new()
-        .num_threads(usize::from(threads))
-        .build_global()
-        .map_err(|error| Failure::work(anyhow::Error::new(error).context("cannot start the threads")))
+    rayon::ThreadPoolBuilder::new().num_threads(threads.map_or(0, usize::from)).build_global().map_err(
+        |error| {
+            let what =
+                "the threads cannot be started; raise the limits of this process (ulimit -u, ulimit -v)";
+            Failure::work(anyhow::Error::new(error).context(what))
+        },
+    )
 }
 
 fn units() -> impl TypedValueParser<Value = LengthUnit> {

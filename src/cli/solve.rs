@@ -13,7 +13,7 @@ use super::written::Written;
 use crate::display::{DisplayMesh, Shading};
 use crate::effects::Effect;
 use crate::export::{self, atomic, read_points};
-use crate::outputs::{LitScene, StillKind, in_detail, save_patch_table};
+use crate::outputs::{LitScene, StillKind, in_detail, is_same_file, save_patch_table};
 use crate::scene::{self, Lighting, Scene, Severity, View};
 use crate::solve::{self, Control, Overcast, Progress, Solution, SolveSettings};
 use crate::solver::PatchLight;
@@ -141,9 +141,25 @@ impl Arguments {
     }
 
     /// Refuses early what would fail after the solve.
-    fn check_outputs(&self) -> Result<(), Failure> {
+    fn check_outputs(&self, scene: &Scene) -> Result<(), Failure> {
         let outputs: Vec<&Path> = self.outputs().collect();
+        let model = scene.source.path();
+        let own = model.iter().flat_map(|path| ["obj", "mtl", "toml"].map(|kind| path.with_extension(kind)));
+        let given = model.map(Path::to_owned).into_iter().chain(self.points.clone());
+        let inputs: Vec<PathBuf> = own.chain(given).chain(scene.photometric_files.iter().cloned()).collect();
+        // No output is a model or its materials, whatever their name.
+        let is_model = |path: &Path| {
+            let kind = path.extension().unwrap_or_default().to_ascii_lowercase();
+            (kind == "obj" || kind == "mtl") && path.exists()
+        };
         for (index, output) in outputs.iter().enumerate() {
+            if is_model(output) || inputs.iter().any(|input| is_same_file(input, output)) {
+                let path = output.display();
+                let told = format!(
+                    "{path} would be overwritten and is an input; choose another name for what is written"
+                );
+                return Err(Failure::input(told));
+            }
             if outputs[..index].contains(output) && !Path::new(output).starts_with("/dev") {
                 let path = output.display();
                 return Err(Failure::input(format!("two outputs would be written to {path}")));
@@ -215,7 +231,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
     let view = arguments.view(&scene)?;
     let points = arguments.points.as_deref().map(read_points).transpose()?;
     let grids = arguments.work_plane.map(|height| Grids::new(&scene, height)).transpose()?;
-    arguments.check_outputs()?;
+    arguments.check_outputs(&scene)?;
     let tour = arguments.tour(&scene)?;
 
     // Without a lamp there is no light that could be right or wrong.

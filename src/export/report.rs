@@ -338,6 +338,8 @@ pub struct ErrorReport {
 pub struct AccuracyReport {
     /// Form factors and visibility.
     pub form_factors: ErrorReport,
+    /// Direct light, interpolated on its elements; zero where patches carry all.
+    pub direct_light: ErrorReport,
     /// Patches: discretisation.
     pub patches: ErrorReport,
     /// Sweeps that are missing.
@@ -350,8 +352,6 @@ pub struct AccuracyReport {
     pub patch_averages: ErrorReport,
     /// The same relative to the mean irradiance everywhere.
     pub of_the_mean: ErrorReport,
-    /// What smooth shading of curved surfaces changes about the picture; part of none of the others.
-    pub smooth_shading: ErrorReport,
     /// Half of the area is off by less, percent of the light at each place.
     pub median_percent: RangeReport,
     /// Shares of the area that are off by less, of the light at each place.

@@ -8,7 +8,7 @@ mod still;
 
 pub use lit_mesh::save_lit_mesh;
 pub use patch_table::{LitScene, save_patch_table};
-pub use repaired::{RepairError, save_repaired};
+pub use repaired::{RepairError, is_same_file, save_repaired};
 pub use still::{StillKind, StillLight, save_still};
 
 use crate::solver::Detail;

@@ -50,7 +50,7 @@ pub fn save_repaired(copy: &Path, scene: &Scene) -> Result<Mended, RepairError> 
 }
 
 /// Whether two paths lead to one file, by whatever links.
-fn is_same_file(a: &Path, b: &Path) -> bool {
+pub fn is_same_file(a: &Path, b: &Path) -> bool {
     #[cfg(unix)]
     {
         use std::os::unix::fs::MetadataExt as _;

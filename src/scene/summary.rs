@@ -153,8 +153,11 @@ impl fmt::Display for Summary {
         }
         writeln!(f, "  area        {:.3} m2", self.area)?;
         writeln!(f, "  views       {}", self.views.join(", "))?;
-        let width =
-            |names: &mut dyn Iterator<Item = &str>| names.map(|n| n.chars().count()).max().unwrap_or(0);
+        // A name that no line holds is left to run over.
+        const WIDEST: usize = 48;
+        let width = |names: &mut dyn Iterator<Item = &str>| {
+            names.map(|n| n.chars().count()).filter(|&n| n <= WIDEST).max().unwrap_or(0)
+        };
         writeln!(f, "  materials   {}", self.materials.len())?;
         let column = width(&mut self.materials.iter().map(|m| m.name.as_str()));
         for material in &self.materials {

@@ -3,7 +3,7 @@
 use super::PipelineError;
 use super::pipeline::Prepared;
 use crate::form_factors::RowComputer;
-use crate::memory::available_bytes;
+use crate::memory::{available_bytes, told};
 use crate::scene::grouped;
 use crate::solver::System;
 use crate::transport::TransportKind;
@@ -18,6 +18,9 @@ const FEW_PROBES: usize = 8;
 const HOPELESS: f64 = 1.5;
 /// Of the memory that is free a solve may take this part.
 const MOST_MEMORY: f64 = 0.9;
+
+/// What other steps take beside form factors, direct light and pictures among them, bytes.
+const RESERVED: f64 = 1.2e8;
 
 /// Up to so many patches, and so many bytes while it is built, the matrix is taken where nothing else is asked for: it
 /// is made from both samples of each pair, and takes no longer there: house, 22,000 patches, 69 s against 80 s.
@@ -75,7 +78,7 @@ pub(super) fn check_memory(
 ) -> Result<TransportKind, PipelineError> {
     let n = computer.mesh().patches.len();
     let kind = chosen(computer, wanted, cancelled).ok_or(PipelineError::Cancelled)?;
-    let Some(available) = available_bytes() else { return Ok(kind) };
+    let Some(available) = available_bytes().map(|free| (free - RESERVED).max(0.0)) else { return Ok(kind) };
     let columns = system.columns() as f64 * 60.0 + 400.0;
     let refused = |needed: f64, fitting: f64| PipelineError::Memory {
         patches: n,
@@ -184,10 +187,18 @@ pub(super) fn too_large(
 ) -> String {
     let [patches_told, whole_told, fitting_told] = [patches, whole, fitting].map(|n| grouped(n as i64));
     let refused = format!(
-        "{patches_told} patches need about {needed_gb:.1} GB for their form factors and this process can have \
-         {available_gb:.1} GB; about {fitting_told} patches would fit"
+        "{patches_told} patches need about {} for their form factors and this process can have {}; about {fitting_told} \
+         patches would fit",
+        told(1e9 * needed_gb),
+        told(1e9 * available_gb)
     );
-    if fitting > whole {
+    if fitting == 0 {
+        format!(
+            "{patches_told} patches need about {} for their form factors and other steps leave this process none: close other \
+             programs, or raise its limit (ulimit -v, that of a container)",
+            told(1e9 * needed_gb)
+        )
+    } else if fitting > whole {
         let count = grouped(fitting.saturating_sub(whole) as i64);
         let besides = if whole > 0 { format!(" (about {count} besides small faces)") } else { String::new() };
         format!("{refused}: ask for fewer patches{besides} or larger ones")

@@ -5,7 +5,17 @@ use crate::mesh::PatchMesh;
 use crate::outputs::in_detail;
 use crate::scene::Lighting;
 use crate::solve::Solution;
-use crate::solver::{PatchLight, patch_emission};
+use crate::solver::{Detail, PatchLight, patch_emission};
+use std::sync::Arc;
+
+/// What of it is direct light on elements; `None` where patches carry all.
+fn direct_shown(mesh: &PatchMesh, display: &DisplayMesh, light: &PatchLight) -> Option<Shown> {
+    let detail = light.detail.as_deref()?;
+    display.elements()?;
+    let interreflected = vec![[0.0; 3]; detail.interreflected.len()];
+    let alone = Detail { interreflected, ..Detail::clone(detail) };
+    Some(shown(mesh, display, &PatchLight { detail: Some(Arc::new(alone)), ..light.clone() }))
+}
 
 /// The irradiance that the picture shows of this light, interpolated on its triangles, W/m² per band.
 pub fn shown(mesh: &PatchMesh, display: &DisplayMesh, light: &PatchLight) -> Shown {
@@ -17,8 +27,8 @@ pub fn shown(mesh: &PatchMesh, display: &DisplayMesh, light: &PatchLight) -> Sho
     Shown { faces, elements: display.elements().cloned() }
 }
 
-/// Audits a finished solve under this lighting, as the picture shows it on each facet. Where the plan has curved surfaces
-/// shaded smoothly, what that changes is told beside the errors: the light is that of the facets.
+/// Audits a finished solve under this lighting, as the picture shows it. Where the plan has curved surfaces shaded smoothly
+/// the truth is the light on those: at places of the facets, with the normals of the surfaces that they stand for.
 ///
 /// `stop` ends it early; `None` then, and where no light arrives.
 pub fn audit(
@@ -29,11 +39,10 @@ pub fn audit(
 ) -> Option<Findings> {
     let elements = solved.element_light.as_ref().map(|light| &light.elements);
     let light = solved.light(lighting);
-    let picture = |smooth: bool| {
-        shown(&solved.mesh, &DisplayMesh::build_on(&solved.mesh, &solved.scene, smooth, elements), &light)
-    };
-    let facets = picture(false);
-    let smoothed = solved.plan.is_on(Effect::SmoothSurfaces).then(|| picture(true));
+    let smooth = solved.plan.is_on(Effect::SmoothSurfaces);
+    let display = DisplayMesh::build_on(&solved.mesh, &solved.scene, smooth, elements);
+    let direct = direct_shown(&solved.mesh, &display, &light);
+    let shown = shown(&solved.mesh, &display, &light);
     let exitance: Vec<[f32; 3]> = solved.mesh.patches.iter().map(|p| patch_emission(p, lighting)).collect();
     let answer = Answer {
         mesh: &solved.mesh,
@@ -42,8 +51,9 @@ pub fn audit(
         exitance: &exitance,
         lighting,
         reflectance: &solved.reflectance,
-        shown: &facets,
-        smoothed: smoothed.as_ref(),
+        shown: &shown,
+        smooth,
+        direct: direct.as_ref(),
     };
     Audit::new(answer)?.run(settings, stop)
 }

@@ -32,6 +32,8 @@ pub struct Measured {
     pub form_factors: f64,
     /// Patches, relative.
     pub mesh: f64,
+    /// Direct light on elements, relative: neither patches nor half-planes mend it.
+    pub direct: f64,
     /// In all, as shown, relative.
     pub total: f64,
 }
@@ -49,6 +51,8 @@ pub struct Measured {
 #[derive(Clone, Debug, Default)]
 pub struct CostModel {
     measured: Vec<Measured>,
+    /// What direct light will be off by, where that is not what it was.
+    direct: Option<f64>,
 }
 
 /// Power of the patches in the cost of a row.
@@ -98,6 +102,7 @@ impl Measured {
             pace,
             form_factors: error(&|b| b.form_factors.error),
             mesh: error(&|b| b.mesh.error),
+            direct: error(&|b| b.direct.error),
             total: error(&|b| b.total.error),
         }
     }
@@ -123,6 +128,11 @@ impl CostModel {
     /// Learns from one more solve; the latest counts.
     pub fn learn(&mut self, measured: Measured) {
         self.measured.push(measured);
+    }
+
+    /// The same where direct light is laid out so finely that it is off by this, a share.
+    pub fn with_direct(&self, error: f64) -> Self {
+        Self { direct: Some(error), ..self.clone() }
     }
 
     /// All solves so far.
@@ -197,9 +207,9 @@ impl CostModel {
         let form_factors = base.form_factors * patches.powf(FORM_FACTORS_BY_PATCHES) * lines.powf(BY_LINES);
         let mesh = base.mesh * patches.powf(self.mesh_power());
         // The two are not independent: smoothing takes some of the one for the other.
-        let together = base.form_factors.hypot(base.mesh);
+        let together = base.form_factors.hypot(base.mesh).hypot(base.direct);
         let factor = if together > 0.0 { base.total / together } else { 1.0 };
-        Some(form_factors.hypot(mesh) * factor.clamp(0.5, 1.5))
+        Some(form_factors.hypot(mesh).hypot(self.direct.unwrap_or(base.direct)) * factor.clamp(0.5, 1.5))
     }
 
     /// Whether smaller patches take away more of the error a second than more half-planes would; `None`
@@ -297,6 +307,7 @@ impl Measured {
             pace: Pace { overhead: 24.0, gathering: 1e-9 },
             form_factors,
             mesh,
+            direct: 0.0,
             total: form_factors.hypot(mesh),
         }
     }

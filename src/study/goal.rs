@@ -161,7 +161,7 @@ pub fn reach(
         solved.budget = found.as_ref().map(|found| found.budget);
         let budget = solved.budget.map(|budget| counted(budget, &solved, task));
         if let Some(found) = found {
-            refinement = Some(Arc::new(refined(&solved.mesh, &found.map, refinement.as_deref())));
+            refinement = Some(Arc::new(refined(&solved.mesh, &found.map_of_patches, refinement.as_deref())));
             run.refine(refinement.clone());
         }
         let patches = solved.mesh.patches.len();
@@ -203,6 +203,7 @@ fn counted(budget: ErrorBudget, solved: &Solution, task: &Task<'_>) -> ErrorBudg
     ErrorBudget {
         form_factors: scaled(budget.form_factors),
         mesh: scaled(budget.mesh),
+        direct: scaled(budget.direct),
         total: Estimate { error, low: error, high: error },
         ..budget
     }

@@ -22,8 +22,11 @@ pub const MOST_SOLVES: usize = 6;
 const AIM: [f64; 2] = [0.78, 0.86];
 /// Of the seconds left a solve may be predicted to take this part.
 const TIME_AIM: f64 = 0.7;
-/// Direct light takes this part of the error asked for: it is cheap, and what it is off by no patches mend.
+/// Direct light takes this part of the error asked for: it is cheap, and what it is off by no patches mend. Where a check finds
+/// it above the second part it is laid out more finely, by the factor at most in one step.
 const DIRECT: f64 = 0.3;
+const DIRECT_MOST: f64 = 0.45;
+const FINER_DIRECT: f64 = 0.25;
 /// Elements at most.
 const MOST_ELEMENTS: usize = 1_000_000;
 /// Within a time direct light gets so many elements for each second, and is better than this at most.
@@ -183,6 +186,10 @@ pub struct GoalRun {
     refinement: Option<Arc<Refinement>>,
     /// By how much smaller the next solve is to be than the time would allow.
     share: f64,
+    /// What direct light is to be off by, as a share of the error asked for, as elements estimate it themselves.
+    direct: f64,
+    /// What the next solve's direct light will be off by, where it is finer than that of the last.
+    finer_direct: Option<f64>,
     /// Seconds and error predicted of the solve that was begun last.
     predicted: [Option<f64>; 2],
     attempts: Vec<Attempt>,
@@ -203,6 +210,8 @@ impl GoalRun {
             next: Fineness { patches: FIRST.0 as f64, lines: f64::from(FIRST.1) },
             refinement: None,
             share: 1.0,
+            direct: DIRECT,
+            finer_direct: None,
             predicted: [None; 2],
             attempts: Vec::new(),
             places: 0,
@@ -248,7 +257,11 @@ impl GoalRun {
 
     /// The next solve is begun, with these settings; what `model` predicts of it is kept.
     pub fn begin(&mut self, model: &CostModel) -> SolveSettings {
-        self.predicted = [model.seconds(self.next), model.error(self.next)];
+        let error = match self.finer_direct {
+            Some(direct) => model.with_direct(direct).error(self.next),
+            None => model.error(self.next),
+        };
+        self.predicted = [model.seconds(self.next), error];
         let tolerance = match self.goal {
             // The bound is of the largest error of any patch; a fiftieth of the mean one is never felt.
             Goal::Error(error) => (0.02 * error).clamp(1e-7, 1e-2),
@@ -262,7 +275,7 @@ impl GoalRun {
             points: ReceivingPoints::Auto,
             direct: match self.goal {
                 Goal::Error(error) => {
-                    DirectTarget { error: DIRECT * error, most: MOST_ELEMENTS, work: u64::MAX }
+                    DirectTarget { error: self.direct * error, most: MOST_ELEMENTS, work: u64::MAX }
                 }
                 Goal::Seconds(seconds) => DirectTarget {
                     error: BEST_DIRECT,
@@ -350,8 +363,19 @@ impl GoalRun {
                     return Step::Solve;
                 }
                 let aim = AIM[usize::from(model.knows_its_power())] * error * shortfall;
+                let found = budget.direct.error;
+                self.finer_direct = (found > DIRECT_MOST * error).then(|| {
+                    let finer = (DIRECT * error / found).max(FINER_DIRECT);
+                    self.direct *= finer;
+                    finer * found
+                });
+                let with_finer = self.finer_direct.map(|direct| model.with_direct(direct));
+                let model = with_finer.as_ref().unwrap_or(model);
                 match model.cheapest(aim, self.limits) {
-                    Some(fineness) if is_finer_than_last(model, fineness) => Some(model.towards(fineness)),
+                    // Finer direct light alone may do.
+                    Some(fineness) if with_finer.is_some() || is_finer_than_last(model, fineness) => {
+                        Some(model.towards(at_least_as_fine(model, fineness)))
+                    }
                     // Out of reach as far as is known; then as near as memory allows, by steps that take no
                     // more than a moderate time, or than what has been spent.
                     _ => {
@@ -417,6 +441,12 @@ impl GoalRun {
 fn is_finer_than_last(model: &CostModel, new: Fineness) -> bool {
     let last = model.measured().last().map(|m| m.fineness);
     last.is_none_or(|old| new.patches > 1.02 * old.patches || new.lines > old.lines)
+}
+
+/// No fewer patches and half-planes than the last solve had: what they bring is known.
+fn at_least_as_fine(model: &CostModel, new: Fineness) -> Fineness {
+    let last = model.measured().last().map_or(new, |m| m.fineness);
+    Fineness { patches: new.patches.max(last.patches), lines: new.lines.max(last.lines) }
 }
 
 /// The most accurate fineness within `seconds` where it promises a gain that is worth another solve.

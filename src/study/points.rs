@@ -1,6 +1,7 @@
 use super::shown;
 use crate::accuracy::{Answer, PointIrradiance, irradiance_at};
 use crate::display::DisplayMesh;
+use crate::effects::Effect;
 use crate::scene::{Lighting, luminance_weighted};
 use crate::solve::Solution;
 use crate::solver::{PatchLight, patch_emission};
@@ -21,7 +22,8 @@ pub fn points(
         return vec![PointIrradiance::default(); places.len()];
     };
     let elements = solved.element_light.as_ref().map(|light| &light.elements);
-    let display = DisplayMesh::build_on(&solved.mesh, &solved.scene, false, elements);
+    let smooth = solved.plan.is_on(Effect::SmoothSurfaces);
+    let display = DisplayMesh::build_on(&solved.mesh, &solved.scene, smooth, elements);
     let shown = shown(&solved.mesh, &display, light);
     let exitance: Vec<[f32; 3]> = solved.mesh.patches.iter().map(|p| patch_emission(p, lighting)).collect();
     let answer = Answer {
@@ -32,7 +34,9 @@ pub fn points(
         lighting,
         reflectance: &solved.reflectance,
         shown: &shown,
-        smoothed: None,
+        // The points are those of facets, and so is what they are compared with.
+        smooth: false,
+        direct: None,
     };
     let direct = solved.direct_at(places, light);
     irradiance_at(answer, &solved.computer, places, direct.as_deref(), 1)

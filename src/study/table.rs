@@ -40,7 +40,7 @@ impl Default for Entry {
 }
 
 const HEADER: &str = "scene,hash,threads,method,resolution,receiving_points,patches_wanted,patches,seconds_mesh,seconds_rows,\
-    seconds_balance,seconds_sweeps,seconds_total,peak_memory_bytes,form_factors,form_factors_low,\
+    seconds_balance,seconds_sweeps,seconds_total,peak_memory_bytes,direct,direct_low,direct_high,form_factors,form_factors_low,\
     form_factors_high,patch_error,patch_error_low,patch_error_high,solver,solver_low,solver_high,solver_bound,\
     total,total_low,total_high,averages,averages_low,averages_high,of_mean,of_mean_low,of_mean_high,median,within_1,within_5,within_10,mean_irradiance,receivers,rays,audit_seconds";
 
@@ -72,7 +72,7 @@ pub fn write(path: &Path, rows: &[Row]) -> Result<(), ExportError> {
             }
             write!(file, ",{memory}")?;
             let estimate = |e: Estimate| [e.error, e.low, e.high].map(scientific).join(",");
-            for e in [b.form_factors, b.mesh, b.solver.estimate] {
+            for e in [b.direct, b.form_factors, b.mesh, b.solver.estimate] {
                 write!(file, ",{}", estimate(e))?;
             }
             write!(file, ",{:.4e}", b.solver.bound)?;
@@ -119,6 +119,7 @@ fn parse_row(names: &[&str], line: &str) -> Option<Row> {
     let points = text("receiving_points").unwrap_or(ReceivingPoints::Auto.name());
     let points = ReceivingPoints::ALL.into_iter().find(|p| p.name() == points)?;
     let mut budget = ErrorBudget {
+        direct: estimate("direct").unwrap_or_default(),
         form_factors: estimate("form_factors")?,
         mesh: estimate("patch_error")?,
         total: estimate("total")?,

@@ -255,7 +255,7 @@ impl Auditor {
             let found = study::audit(&solved, &lighting, &settings, &|| stop.load(Ordering::Relaxed));
             let checked = found.map(|findings| {
                 let pace = lines.map(|lines| study::pace(&solved, lines));
-                let refinement = study::refined(&solved.mesh, &findings.map, before.as_deref());
+                let refinement = study::refined(&solved.mesh, &findings.map_of_patches, before.as_deref());
                 Checked { findings, refinement, pace }
             });
             // Nobody listens any more when the light has changed.
@@ -362,9 +362,11 @@ impl Auditor {
     pub(super) fn advice(&self) -> Option<&'static str> {
         let budget = self.budget?;
         let (form_factors, mesh) = (budget.form_factors.error, budget.mesh.error);
-        let solver = budget.solver.estimate.error;
-        Some(if solver >= form_factors.max(mesh) {
+        let (solver, direct) = (budget.solver.estimate.error, budget.direct.error);
+        Some(if solver >= form_factors.max(mesh).max(direct) {
             "further sweeps"
+        } else if direct >= form_factors.max(mesh) {
+            "finer direct light (wait a moment: a light left alone refines itself)"
         } else if self.model.asks_for_patches().filter(|_| self.is_taught).unwrap_or(mesh >= form_factors) {
             "smaller patches"
         } else {

@@ -55,16 +55,10 @@ fn headline(ui: &mut egui::Ui, model: &Model<'_>, out: &mut Commands) {
             ui.label(RichText::new(word).color(verdict.colour))
         };
         if let Some(budget) = &auditor.budget {
-            let smoothing = if budget.smoothing.error > 0.0 {
-                let changes = percent(budget.smoothing.error);
-                format!("\nSmooth shading of curved surfaces, which is no error of the light, changes the picture by {changes}.")
-            } else {
-                String::new()
-            };
             label.on_hover_text(format!(
                 "Root mean square over the receiving area of what the illuminance as shown is off by, of the light \
                  there, or of its mean of {} lx where that is more.\n95 %: {} to {}. {} receivers, {} rays, {}.\n\
-                 Of the mean everywhere, bright places beside lamps included: {}.{}",
+                 Of the mean everywhere, bright places beside lamps included: {}.",
                 units::digits(crate::scene::LUMINOUS_EFFICACY * budget.mean_irradiance),
                 percent(budget.total.low),
                 percent(budget.total.high),
@@ -72,7 +66,6 @@ fn headline(ui: &mut egui::Ui, model: &Model<'_>, out: &mut Commands) {
                 units::count(budget.rays as usize),
                 units::duration(budget.seconds),
                 percent(budget.of_mean.error),
-                smoothing,
             ));
         }
         ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
@@ -172,11 +165,12 @@ fn spread(ui: &mut egui::Ui, budget: Option<&ErrorBudget>, model: &Model<'_>, ou
     });
 }
 
-/// Three bars with their intervals, on one scale.
+/// Four bars with their intervals, on one scale.
 fn bars(ui: &mut egui::Ui, budget: Option<&ErrorBudget>, model: &Model<'_>) {
     let none = Estimate::default();
     let t = &model.snapshot.timings;
     let rows = [
+        ("direct light", budget.map_or(none, |b| b.direct), t.elements),
         ("form factors", budget.map_or(none, |b| b.form_factors), t.rows + t.balance),
         ("patches", budget.map_or(none, |b| b.mesh), t.mesh),
         ("solver", budget.map_or(none, |b| b.solver.estimate), t.sweeps),
