@@ -14,6 +14,10 @@ use glam::DVec3;
 const NEIGHBOURHOOD: f64 = 1000.0;
 /// Nor is one that is nearer than so many times the reach of the main part.
 const APART: f64 = 8.0;
+/// A face longer than this, metres, and than so many times the rest of the model has a corner that is wrong: ground around a
+/// house is smaller.
+const LONGEST: f64 = 1e5;
+const LONGER: f64 = 1e3;
 /// The share of the area that the main part is grown from; two equal halves each pass.
 const CORE: f64 = 0.4;
 /// Up to this diagonal tolerances are shares of it, metres.
@@ -63,6 +67,9 @@ impl Footprint {
 impl Extent {
     /// Of these polygons. Takes a few sorts where the model is larger than a site, else one pass.
     pub(super) fn of(polygons: &[Footprint]) -> Self {
+        if let Some(extent) = Self::without_broken(polygons) {
+            return extent;
+        }
         let all = polygons.iter().fold(Aabb::EMPTY, |sum, polygon| sum.union(polygon.bounds));
         let mut extent = Self { main: all, scale: all.diagonal(), stray: Vec::new() };
         if all.diagonal() > NEIGHBOURHOOD {
@@ -81,6 +88,26 @@ impl Extent {
             extent.scale = extent.scale.min(extent.fine_scale(polygons).max(BUILDING));
         }
         extent
+    }
+
+    /// The extent of all but faces with a corner that is wrong, which are stray; `None` where there are none.
+    fn without_broken(polygons: &[Footprint]) -> Option<Self> {
+        let is_long = |polygon: &Footprint| polygon.bounds.diagonal() > LONGEST;
+        if !polygons.iter().any(is_long) {
+            return None;
+        }
+        let (long, rest): (Vec<u32>, Vec<u32>) =
+            (0..polygons.len() as u32).partition(|&index| is_long(&polygons[index as usize]));
+        let kept: Vec<Footprint> = rest.iter().map(|&index| polygons[index as usize]).collect();
+        let mut extent = Self::of(&kept);
+        let most = LONGER * extent.main.diagonal();
+        let is_broken = |&index: &u32| polygons[index as usize].bounds.diagonal() > most;
+        if kept.is_empty() || !long.iter().all(is_broken) {
+            return None;
+        }
+        extent.stray = extent.stray.iter().map(|&index| rest[index as usize]).chain(long).collect();
+        extent.stray.sort_unstable();
+        Some(extent)
     }
 
     /// The scale of a large site by its finest faces: a house in 2 km of terrain keeps its millimetres.
@@ -183,13 +210,24 @@ pub(super) fn report(scene: &Scene, extent: &Extent, findings: &mut Vec<Finding>
         let gap = (bounds.min - extent.main.max).max(extent.main.min - bounds.max).max(DVec3::ZERO);
         let lines: Vec<u32> = faces.iter().filter_map(|&face| scene.surfaces[face as usize].line).collect();
         let name = scene.objects.get(*object as usize).map_or("", String::as_str);
-        let message = format!(
-            "'{}' ({}{}) stands {} away from the rest of the model; delete or move it if it was forgotten there",
+        let which = format!(
+            "'{}' ({}{})",
             names::short(name),
             if faces.len() == 1 { "1 face".to_owned() } else { format!("{} faces", faces.len()) },
-            line_list(&lines, faces.len()),
-            kilometres(gap.length()),
+            line_list(&lines, faces.len())
         );
+        let message = if gap == DVec3::ZERO {
+            let reach = (bounds.max - extent.main.max).max(extent.main.min - bounds.min).max_element();
+            format!(
+                "{which} reaches {} beyond the rest of the model: a corner of it is likely wrong; mend or delete it",
+                kilometres(reach)
+            )
+        } else {
+            format!(
+                "{which} stands {} away from the rest of the model; delete or move it if it was forgotten there",
+                kilometres(gap.length())
+            )
+        };
         findings.push(
             Finding::new(FindingKind::Stray, Severity::Warning, message).counted(faces.len()).with(kept).at(
                 Places {
@@ -283,6 +321,22 @@ mod tests {
         let extent = Extent::of(&all);
         assert_eq!(extent.stray, [all.len() as u32 - 1]);
         assert!(extent.main.diagonal() < 15.0);
+    }
+
+    #[test]
+    fn a_face_with_one_corner_far_away_is_stray_and_ground_is_not() {
+        let corner = Aabb { min: DVec3::new(-1e7, 0.0, 0.0), max: DVec3::new(3.0, 2.0, 1.0) };
+        let broken = Footprint { bounds: corner, area: 1e7, emits: false };
+        let mut all = house([0.0; 3]);
+        all.insert(2, broken);
+        let extent = Extent::of(&all);
+        assert_eq!(extent.stray, [2]);
+        assert!(extent.main.diagonal() < 15.0 && extent.scale == extent.main.diagonal(), "{extent:?}");
+        assert_eq!(extent.origin(), DVec3::ZERO);
+        // 200 km of ground around a town of 2 km.
+        let town: Vec<Footprint> = (0..20).flat_map(|k| house([f64::from(k) * 100.0, 0.0, 0.0])).collect();
+        let ground = [town, vec![square([0.0; 3], 2e5)]].concat();
+        assert_eq!(Extent::of(&ground).stray, [0_u32; 0]);
     }
 
     #[test]

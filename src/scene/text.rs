@@ -130,7 +130,7 @@ mod tests {
         assert_eq!(uncommented("Material#25"), "Material#25");
         assert_eq!(listed("a.mtl \"b c.mtl\" \"\" d # e"), ["a.mtl", "b c.mtl", "d"]);
         assert_eq!(listed("\"open"), ["\"open"]);
-        assert_eq!(folded(" Lamp_study  Ü"), "lamp study ü");
+        assert_eq!(folded(" Lamp_study  Ü"), "lampstudyü");
         assert!(number("0,5").unwrap_err().contains("decimal comma"));
         assert!(!number("a,b").unwrap_err().contains("decimal comma"));
         assert_eq!(number("1e3"), Ok(1000.0));

@@ -23,10 +23,11 @@ const AIM: [f64; 2] = [0.78, 0.86];
 /// Of the seconds left a solve may be predicted to take this part.
 const TIME_AIM: f64 = 0.7;
 /// Direct light takes this part of the error asked for: it is cheap, and what it is off by no patches mend. Where a check finds
-/// it above the second part it is laid out more finely, by the factor at most in one step.
+/// it above the second part, and surely above the first, it is laid out more finely, by the factor at most in one step: elements
+/// grow with its square where shadows have edges.
 const DIRECT: f64 = 0.3;
 const DIRECT_MOST: f64 = 0.45;
-const FINER_DIRECT: f64 = 0.25;
+const FINER_DIRECT: f64 = 0.5;
 /// Elements at most.
 const MOST_ELEMENTS: usize = 1_000_000;
 /// Within a time direct light gets so many elements for each second, and is better than this at most.
@@ -364,7 +365,8 @@ impl GoalRun {
                 }
                 let aim = AIM[usize::from(model.knows_its_power())] * error * shortfall;
                 let found = budget.direct.error;
-                self.finer_direct = (found > DIRECT_MOST * error).then(|| {
+                let is_coarse = found > DIRECT_MOST * error && budget.direct.low > DIRECT * error;
+                self.finer_direct = is_coarse.then(|| {
                     let finer = (DIRECT * error / found).max(FINER_DIRECT);
                     self.direct *= finer;
                     finer * found
@@ -539,6 +541,29 @@ mod tests {
         run.stands(found(0.04));
         assert!(run.note(9000, 1.0, Some(found(0.03))) && !run.note(12_000, 2.0, Some(found(0.035))));
         assert_eq!(run.verdict(&model, 9.0).budget, Some(found(0.03)));
+    }
+
+    #[test]
+    fn direct_light_that_is_off_by_too_much_is_made_finer_and_other_light_is_not() {
+        let model = after_the_first([0.02, 0.05]);
+        let target_after = |direct: Estimate| {
+            let mut run = GoalRun::new(
+                Goal::Error(0.03),
+                EffectChoices::default(),
+                Limits { gigabytes: 1e3, ..LIMITS },
+            );
+            let budget = ErrorBudget { direct, ..found(0.06) };
+            assert_eq!(run.step(&model, Some(&budget), 10.0), Step::Solve);
+            let settings = run.begin(&model);
+            (settings.direct.error / (DIRECT * 0.03), run.predicted[1])
+        };
+        let of = |error: f64, low: f64| Estimate { error, low, high: 2.0 * error };
+        let (usual, predicted) = target_after(of(0.01, 0.009));
+        assert!((usual - 1.0).abs() < 1e-9 && predicted.is_some_and(|error| error < 0.03));
+        assert_eq!(target_after(of(0.04, 0.03)).0, FINER_DIRECT);
+        let (little, _) = target_after(of(0.015, 0.012));
+        assert!((little - 0.6).abs() < 1e-9, "{little}");
+        assert_eq!(target_after(of(0.04, 0.0)).0, usual, "it may be noise");
     }
 
     #[test]

@@ -46,15 +46,19 @@ pub(super) struct Seen {
 /// A scene that was asked for, and what the worker had published then.
 pub(super) struct Asked {
     pub(super) name: String,
+    pub(super) source: SceneSource,
     pub(super) serial: u64,
     pub(super) known_error: Option<String>,
     pub(super) scene: Weak<Scene>,
 }
 
 impl Asked {
-    /// Whether the worker has it: every reading makes another scene.
+    /// Whether the worker has it: every reading makes another scene, and one of before may come in between.
     pub(super) fn has_come(&self, now: &Snapshot) -> bool {
-        now.scene().is_some_and(|scene| Arc::as_ptr(scene) != self.scene.as_ptr())
+        let is_it = |scene: &Arc<Scene>| {
+            Arc::as_ptr(scene) != self.scene.as_ptr() && scene.source.is_same_model(&self.source)
+        };
+        now.scene().is_some_and(is_it)
     }
 }
 

@@ -373,10 +373,11 @@ impl App {
             _ => file.map(|name| name.to_string_lossy().into_owned()).unwrap_or_default(),
         };
         self.asked_for = Some(source.clone());
+        let asked = source.clone();
         self.last_change = format!("opening {name}");
         let scene = self.snapshot.scene().map(Arc::downgrade).unwrap_or_default();
         let known_error = self.snapshot.error.clone();
-        self.opening = Some(Asked { name, serial: self.snapshot.serial, known_error, scene });
+        self.opening = Some(Asked { name, source: asked, serial: self.snapshot.serial, known_error, scene });
         match &self.scene_shown {
             // Solver settings belong to a scene as well.
             Some(shown) if !shown.source.is_same_model(&source) => {
