@@ -4,10 +4,13 @@
 //!
 //! Errors are those of irradiance (Rec. 709 luminance of it), as the root of their mean square over
 //! the receiving area (all patches that neither shine nor lie buried, weighted by area), relative to
-//! the irradiance there, or to its mean over that area where that is more. With H_i the stored irradiance of patch i, B its radiosity, s(x) the
-//! irradiance that the picture shows at a point x (patch values interpolated over the triangles), and
-//! K the true gathering operator over the true polygons:
+//! the irradiance there, or to its mean over that area where that is more. With H_i the stored
+//! irradiance of patch i, B its radiosity, s(x) the irradiance that the picture shows at a point x
+//! (direct light interpolated on its elements, the rest from patch values over the triangles; of
+//! curved surfaces with their normals), D(x) its direct part, and K the true gathering operator over
+//! the true polygons:
 //!
+//! * direct light: D(x) less what arrives from the lamps by themselves; left out of the next two;
 //! * form factors and visibility: G_i - T_i, where G_i is gathered by the stored row from the patch
 //!   radiosities, and T_i is the mean over the whole patch of what the witness gathers from the very
 //!   same patchwise constant radiosities;
@@ -16,7 +19,7 @@
 //!   instead of B_s = E + rho s, the radiosity as shown, does to those who receive it;
 //! * solver: what further sweeps would still change.
 //!
-//! The first two add up to s(x) - K B_s(x), the error of the picture in the rendering equation at one
+//! The first three add up to s(x) - K B_s(x), the error of the picture in the rendering equation at one
 //! gathering, whose mean square is estimated by itself: the total. The mean of an error is passed on
 //! by later reflections, as a constant over the scene (see [`Interreflection`]); its fluctuations
 //! cancel in the next gathering.

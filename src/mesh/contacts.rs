@@ -62,21 +62,15 @@ impl<'a> Contacts<'a> {
     pub(super) fn on(&self, index: usize, outline: &Outline, shortest: f64) -> Vec<Contact> {
         // Ends that meet are one, and so are lines between the same ends.
         let mut welder = Welder::new(self.tolerance);
-        let mut key_of = |ends: [DVec2; 2]| {
-            let mut key = ends.map(|end| welder.index(end.extend(0.0)));
-            key.sort_unstable();
-            key
-        };
-        // A neighbour that shares an edge does not stand here.
-        let mut known: HashSet<[u32; 2]> = outline.edges.iter().map(|&edge| key_of(edge)).collect();
-        let mut found = Vec::new();
+        let (mut found, mut known) = (Vec::new(), HashSet::new());
         for [a, b] in self.standing_on(index, outline).chain(self.crossing(index, outline)) {
             let is_long = a.distance(b) >= SHORTEST * shortest;
             if is_long
                 && a.min(b).cmplt(outline.max - self.tolerance).all()
                 && a.max(b).cmpgt(outline.min + self.tolerance).all()
             {
-                let key = key_of([a, b]);
+                let mut key = [a, b].map(|end| welder.index(end.extend(0.0)));
+                key.sort_unstable();
                 if known.insert(key) {
                     found.push((key, [a, b]));
                 }

@@ -232,9 +232,7 @@ fn outline(scene: &Scene, planes: &[Plane], members: &[u32], welded: &[u32], kee
 
     let mut parts = Vec::new();
     let plain = scene.materials[seed.material as usize].texture.is_none();
-    // Corners of a facet of a curved surface have normals of their own, which one outline would lose.
-    let is_curved = || members.iter().any(|&m| is_curved(scene, &scene.surfaces[m as usize], normal));
-    let loop_corners = (members.len() > 1 && !keep_surfaces && plain && !is_curved())
+    let loop_corners = (members.len() > 1 && !keep_surfaces && plain)
         .then(|| single_loop(&rim))
         .flatten()
         .map(|corners| without_collinear(corners.into_iter().map(plane).collect()));
@@ -324,12 +322,6 @@ fn is_convex(corners: &[DVec2]) -> bool {
     polygon::is_convex(corners, 1e-12 * polygon::area_2d(corners).abs())
 }
 
-/// Whether the model gives a surface of this plane other normals at its corners.
-fn is_curved(scene: &Scene, surface: &Surface, normal: DVec3) -> bool {
-    let leans = |&n: &u32| scene.normals[n as usize].dot(normal).abs() < 0.99999;
-    surface.corners.iter().filter_map(|corner| corner.normal.as_ref()).any(leans)
-}
-
 /// The surface as convex parts: itself, or triangles.
 fn add_parts(
     scene: &Scene,
@@ -342,7 +334,10 @@ fn add_parts(
     let surface = &scene.surfaces[index as usize];
     let corners: Vec<DVec2> =
         surface.corners.iter().map(|c| plane(scene.positions[c.position as usize])).collect();
-    let smooth = is_curved(scene, surface, normal);
+    let smooth = surface
+        .corners
+        .iter()
+        .any(|c| c.normal.is_some_and(|n| scene.normals[n as usize].dot(normal).abs() < 0.99999));
     let attributes = |chosen: &[usize]| {
         if plain && !smooth {
             return Attributes::default();
