@@ -5,10 +5,12 @@ mod render_room;
 use glam::DVec3;
 use lumenwalk::display::{DisplayMesh, Shading};
 use lumenwalk::geometry::Ray;
-use lumenwalk::mesh::{NO_PATCH, PatchMesh, Side};
+use lumenwalk::mesh::{self, MeshSettings, NO_PATCH, PatchMesh, PatchTarget, Side, build};
 use lumenwalk::navigation::Camera;
 use lumenwalk::render::Picker;
+use lumenwalk::scene::{Scene, from_text};
 use render_room::{Room, WHITE, camera, light};
+use std::sync::Arc;
 
 /// World positions and values of the lit corners for a field over patch centres.
 fn corner_field(
@@ -216,4 +218,67 @@ fn a_view_is_metered_by_what_it_sees() {
     let ceiling = picker.seen_patches(&up, [64, 64], [8, 8]);
     assert!(ceiling.iter().any(|&p| mesh.patches[p as usize].normal == DVec3::NEG_Y));
     assert!(seen.iter().all(|&p| mesh.patches[p as usize].side == Side::Front));
+}
+
+/// A ball of triangles over latitudes and longitudes, radius 0.5 about (0, 1, 0), with normals, over a floor.
+fn ball_of_triangles() -> Arc<Scene> {
+    use std::f64::consts::{PI, TAU};
+    use std::fmt::Write as _;
+    // An odd number of rows: those in the middle have two triangles in one plane.
+    const AROUND: usize = 16;
+    const ROWS: usize = 9;
+    let mut obj = "mtllib ball.mtl\nv -2 0 2\nv 2 0 2\nv 2 0 -2\nv -2 0 -2\no floor\nf 1 2 3 4\n\
+                   v -1 3 1\nv -1 3 -1\nv 1 3 -1\nv 1 3 1\no lamp\nusemtl glow\nf 5 6 7 8\no ball\nusemtl white\n"
+        .to_owned();
+    for row in 0..=ROWS {
+        for k in 0..AROUND {
+            let (polar, around) = (PI * row as f64 / ROWS as f64, TAU * k as f64 / AROUND as f64);
+            let n = [polar.sin() * around.cos(), polar.cos(), polar.sin() * around.sin()];
+            let [x, y, z] = n;
+            writeln!(obj, "v {:.4} {:.4} {:.4}\nvn {x:.4} {y:.4} {z:.4}", 0.5 * x, 1.0 + 0.5 * y, 0.5 * z)
+                .unwrap();
+        }
+    }
+    for row in 0..ROWS {
+        for k in 0..AROUND {
+            let at = |row: usize, k: usize| {
+                let index = row * AROUND + k % AROUND + 1;
+                format!("{}//{index}", index + 8)
+            };
+            let [a, b, c, d] = [at(row, k), at(row, k + 1), at(row + 1, k + 1), at(row + 1, k)];
+            if row > 0 {
+                writeln!(obj, "f {a} {b} {c}").unwrap();
+            }
+            if row + 1 < ROWS {
+                writeln!(obj, "f {a} {c} {d}").unwrap();
+            }
+        }
+    }
+    Arc::new(
+        from_text("ball", &obj, "newmtl glow\nKe 5 5 5\nnewmtl white\nKd 0.7 0.7 0.7\n", None)
+            .expect("a scene"),
+    )
+}
+
+#[test]
+fn a_ball_of_triangles_is_one_smooth_surface() {
+    let scene = ball_of_triangles();
+    let mesh =
+        build(&scene, &MeshSettings { target: PatchTarget::Size(0.1), ..MeshSettings::default() }).unwrap();
+    let stretches = mesh::stretches(&mesh);
+    let mut corners = 0;
+    for piece in mesh.pieces.iter().filter(|p| mesh.regions[p.region as usize].object == 2) {
+        for k in piece.corners.clone() {
+            let corner = &mesh.corners[k as usize];
+            let radial = (mesh.vertices[corner.vertex as usize] - DVec3::Y).normalize();
+            assert!(corner.normal.dot(radial) > 0.995, "{} at {radial}", corner.normal);
+            let stretch = stretches.get(k as usize).copied().unwrap_or(0);
+            assert_eq!(
+                stretch, 0,
+                "edges that facets share are no lines where something stands, at {radial}"
+            );
+            corners += 1;
+        }
+    }
+    assert!(corners > 500, "{corners}");
 }

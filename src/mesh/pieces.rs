@@ -8,6 +8,9 @@ use crate::geometry::polygon;
 use glam::DVec2;
 use std::collections::HashMap;
 
+/// Corners nearer than this of a cell's shorter edge are one vertex.
+const WELDED: f64 = 1e-7;
+
 /// A convex polygon on its way to becoming a [`Piece`].
 #[derive(Clone)]
 pub(super) struct Cut {
@@ -102,7 +105,20 @@ pub(super) fn cut(
     if cuts.iter().any(|cut| cut.leaf != 0) {
         share_corners(&mut cuts, grid);
     }
+    let near = 2.0 * WELDED * grid.cell.min_element();
+    cuts.retain_mut(|cut| {
+        without_twins(&mut cut.corners, near);
+        cut.corners.len() >= 3
+    });
     cuts
+}
+
+/// Leaves out corners that lie on the one before: they would become one vertex, and a triangle without area.
+fn without_twins(corners: &mut Vec<DVec2>, near: f64) {
+    corners.dedup_by(|corner, before| corner.distance(*before) < near);
+    while corners.len() > 1 && corners[0].distance(corners[corners.len() - 1]) < near {
+        corners.pop();
+    }
 }
 
 /// Gives every cut the corners of its neighbours that lie on its edges, so that colours which are
@@ -177,7 +193,7 @@ pub(super) fn span(low: f64, high: f64, min: f64, cell: f64, count: u32) -> std:
 pub(super) fn append(mesh: &mut PatchMesh, outline: &Outline, grid: &Grid, cuts: &[Cut]) {
     let region = mesh.regions.len() as u32;
     let first_piece = mesh.pieces.len() as u32;
-    let mut welder = Welder::new(1e-7 * grid.cell.min_element());
+    let mut welder = Welder::new(WELDED * grid.cell.min_element());
     let mut vertex_of: Vec<u32> = Vec::new();
     for cut in cuts {
         let part = &outline.parts[cut.part];

@@ -1,7 +1,7 @@
 //! Coplanar neighbours of one object and material joined into regions.
 
 use crate::geometry::{Aabb, Frame, polygon};
-use crate::scene::{Scene, Surface};
+use crate::scene::{Corner, Scene, Surface};
 use crate::watch::{Cancelled, Watch};
 use glam::{DVec2, DVec3};
 use std::collections::{HashMap, VecDeque};
@@ -236,11 +236,13 @@ fn outline(scene: &Scene, planes: &[Plane], members: &[u32], welded: &[u32], kee
         .then(|| single_loop(&rim))
         .flatten()
         .map(|corners| without_collinear(corners.into_iter().map(plane).collect()));
-    match loop_corners {
-        Some(corners) if is_convex(&corners) => {
-            parts.push(Part { surface: members[0], corners, attributes: Attributes::default() });
-        }
-        _ => {
+    let joined = loop_corners.filter(|corners| is_convex(corners)).and_then(|corners| {
+        let attributes = joined_attributes(scene, members, normal, &plane, &corners)?;
+        Some(Part { surface: members[0], corners, attributes })
+    });
+    match joined {
+        Some(part) => parts.push(part),
+        None => {
             for &m in members {
                 add_parts(scene, m, normal, &plane, plain, &mut parts);
             }
@@ -322,6 +324,42 @@ fn is_convex(corners: &[DVec2]) -> bool {
     polygon::is_convex(corners, 1e-12 * polygon::area_2d(corners).abs())
 }
 
+/// Whether the model gives a surface of this plane other normals at its corners.
+fn is_curved(scene: &Scene, surface: &Surface, normal: DVec3) -> bool {
+    let leans = |&n: &u32| scene.normals[n as usize].dot(normal).abs() < 0.99999;
+    surface.corners.iter().filter_map(|corner| corner.normal.as_ref()).any(leans)
+}
+
+/// The normal of a corner, on the side of `normal`: files disagree on the side that it stands on.
+fn corner_normal(scene: &Scene, corner: &Corner, normal: DVec3) -> DVec3 {
+    let given = corner.normal.map_or(normal, |n| scene.normals[n as usize]);
+    if given.dot(normal) < 0.0 { -given } else { given }
+}
+
+/// What the corners of one polygon around plain surfaces have of these; `None` where they disagree on a normal.
+fn joined_attributes(
+    scene: &Scene,
+    members: &[u32],
+    normal: DVec3,
+    plane: &impl Fn(DVec3) -> DVec2,
+    corners: &[DVec2],
+) -> Option<Attributes> {
+    let surfaces = || members.iter().map(|&m| &scene.surfaces[m as usize]);
+    if !surfaces().any(|surface| is_curved(scene, surface, normal)) {
+        return Some(Attributes::default());
+    }
+    let of = |&at: &DVec2| {
+        let here = surfaces()
+            .flat_map(|surface| &surface.corners)
+            .filter(|corner| plane(scene.positions[corner.position as usize]) == at)
+            .map(|corner| corner_normal(scene, corner, normal));
+        let mut all = here.collect::<Vec<DVec3>>().into_iter();
+        let first = all.next()?;
+        all.all(|other| other.dot(first) > 0.99999).then_some((at, first, DVec2::ZERO))
+    };
+    Some(Attributes { corners: corners.iter().map(of).collect::<Option<_>>()? })
+}
+
 /// The surface as convex parts: itself, or triangles.
 fn add_parts(
     scene: &Scene,
@@ -334,19 +372,14 @@ fn add_parts(
     let surface = &scene.surfaces[index as usize];
     let corners: Vec<DVec2> =
         surface.corners.iter().map(|c| plane(scene.positions[c.position as usize])).collect();
-    let smooth = surface
-        .corners
-        .iter()
-        .any(|c| c.normal.is_some_and(|n| scene.normals[n as usize].dot(normal).abs() < 0.99999));
+    let smooth = is_curved(scene, surface, normal);
     let attributes = |chosen: &[usize]| {
         if plain && !smooth {
             return Attributes::default();
         }
         let of = |&i: &usize| {
             let corner = surface.corners[i];
-            let given = corner.normal.map_or(normal, |n| scene.normals[n as usize]);
-            // Files disagree on the side that a normal stands on; the front's is wanted.
-            let given = if given.dot(normal) < 0.0 { -given } else { given };
+            let given = corner_normal(scene, &corner, normal);
             (corners[i], given, corner.uv.map_or(DVec2::ZERO, |uv| scene.uvs[uv as usize]))
         };
         Attributes { corners: chosen.iter().map(of).collect() }

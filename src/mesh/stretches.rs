@@ -18,6 +18,14 @@ pub fn stretches(mesh: &PatchMesh) -> Vec<u32> {
             continue;
         }
         let slack = 1e-5 * region.cell_size.min_element();
+        // An edge that it shares with a neighbour separates nothing on it: facets of a curved surface are one.
+        let is_edge = |line: &[DVec2; 2]| {
+            region.edges.iter().any(|edge| {
+                let ends_meet = |other: [DVec2; 2]| (0..2).all(|k| other[k].distance(line[k]) < slack);
+                ends_meet(*edge) || ends_meet([edge[1], edge[0]])
+            })
+        };
+        let contacts: Vec<[DVec2; 2]> = contacts.iter().filter(|line| !is_edge(line)).copied().collect();
         let on_contact = |point: DVec2| contacts.iter().any(|&[p, q]| is_on_segment(point, p, q, slack));
         let pieces = &mesh.pieces[region.pieces.start as usize..region.pieces.end as usize];
         let mut on_line: HashSet<u32> = HashSet::new();
