@@ -220,36 +220,39 @@ fn a_view_is_metered_by_what_it_sees() {
     assert!(seen.iter().all(|&p| mesh.patches[p as usize].side == Side::Front));
 }
 
-/// A ball of triangles over latitudes and longitudes, radius 0.5 about (0, 1, 0), with normals, over a floor.
-fn ball_of_triangles() -> Arc<Scene> {
+/// A ball of triangles over latitudes and longitudes, radius 0.5, with normals, so high over a floor.
+fn ball_of_triangles(height: f64, around: usize, rows: usize) -> Arc<Scene> {
     use std::f64::consts::{PI, TAU};
     use std::fmt::Write as _;
-    // An odd number of rows: those in the middle have two triangles in one plane.
-    const AROUND: usize = 16;
-    const ROWS: usize = 9;
     let mut obj = "mtllib ball.mtl\nv -2 0 2\nv 2 0 2\nv 2 0 -2\nv -2 0 -2\no floor\nf 1 2 3 4\n\
                    v -1 3 1\nv -1 3 -1\nv 1 3 -1\nv 1 3 1\no lamp\nusemtl glow\nf 5 6 7 8\no ball\nusemtl white\n"
         .to_owned();
-    for row in 0..=ROWS {
-        for k in 0..AROUND {
-            let (polar, around) = (PI * row as f64 / ROWS as f64, TAU * k as f64 / AROUND as f64);
-            let n = [polar.sin() * around.cos(), polar.cos(), polar.sin() * around.sin()];
+    for row in 0..=rows {
+        for k in 0..around {
+            let (polar, turn) = (PI * row as f64 / rows as f64, TAU * k as f64 / around as f64);
+            let n = [polar.sin() * turn.cos(), polar.cos(), polar.sin() * turn.sin()];
             let [x, y, z] = n;
-            writeln!(obj, "v {:.4} {:.4} {:.4}\nvn {x:.4} {y:.4} {z:.4}", 0.5 * x, 1.0 + 0.5 * y, 0.5 * z)
-                .unwrap();
+            writeln!(
+                obj,
+                "v {:.4} {:.4} {:.4}\nvn {x:.4} {y:.4} {z:.4}",
+                0.5 * x,
+                height + 0.5 + 0.5 * y,
+                0.5 * z
+            )
+            .unwrap();
         }
     }
-    for row in 0..ROWS {
-        for k in 0..AROUND {
+    for row in 0..rows {
+        for k in 0..around {
             let at = |row: usize, k: usize| {
-                let index = row * AROUND + k % AROUND + 1;
+                let index = row * around + k % around + 1;
                 format!("{}//{index}", index + 8)
             };
             let [a, b, c, d] = [at(row, k), at(row, k + 1), at(row + 1, k + 1), at(row + 1, k)];
             if row > 0 {
                 writeln!(obj, "f {a} {b} {c}").unwrap();
             }
-            if row + 1 < ROWS {
+            if row + 1 < rows {
                 writeln!(obj, "f {a} {c} {d}").unwrap();
             }
         }
@@ -262,7 +265,8 @@ fn ball_of_triangles() -> Arc<Scene> {
 
 #[test]
 fn a_ball_of_triangles_is_one_smooth_surface() {
-    let scene = ball_of_triangles();
+    // An odd number of rows: those in the middle have two triangles in one plane.
+    let scene = ball_of_triangles(0.5, 16, 9);
     let mesh =
         build(&scene, &MeshSettings { target: PatchTarget::Size(0.1), ..MeshSettings::default() }).unwrap();
     let stretches = mesh::stretches(&mesh);
@@ -281,4 +285,15 @@ fn a_ball_of_triangles_is_one_smooth_surface() {
         }
     }
     assert!(corners > 500, "{corners}");
+}
+
+#[test]
+fn a_ball_a_hair_above_the_floor_is_in_the_light_all_around() {
+    // Facets below it see little of any light. Where they are taken for dark, the floor is lit through them.
+    let scene = ball_of_triangles(0.02, 40, 20);
+    let mesh = build(&scene, &MeshSettings::default()).unwrap();
+    let ball = || mesh.regions.iter().filter(|region| region.object == 2);
+    let dark = |side: Side| ball().filter(|region| region.dark[side as usize]).count();
+    assert!(ball().count() > 700);
+    assert_eq!([dark(Side::Front), dark(Side::Back)], [0, ball().count()], "lit outside, dark inside");
 }

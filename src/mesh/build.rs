@@ -7,6 +7,7 @@ use super::pieces::{self, Cut, Grid};
 use super::reach::{Buried, LightSearch, Reach, Search};
 use super::refinement::Refinement;
 use super::regions::Outline;
+use super::shells::dark_as_wholes;
 use super::sizing::{self, Finer};
 use super::survey::Survey;
 use super::translucence::Translucence;
@@ -236,9 +237,11 @@ pub fn build_on(
     if mesh.patches.is_empty() {
         return Err(MeshError::Empty);
     }
-    let front_is_dark = |&index: &u32| reached[index as usize][Side::Front as usize] == Reach::Dark;
+    // What stands in the light is dark as a whole or hides what is behind it.
+    let dark = dark_as_wholes(outlines, size, reached);
+    let front_is_dark = |&index: &u32| dark[index as usize][Side::Front as usize];
     for (index, region) in mesh.regions.iter_mut().enumerate() {
-        region.dark = reached[index].map(|side| side == Reach::Dark);
+        region.dark = dark[index];
         if region.backing == Backing::Whole {
             region.dark[Side::Back as usize] = sheets.backers[index].iter().all(front_is_dark);
         }

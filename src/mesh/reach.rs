@@ -7,7 +7,7 @@
 
 use super::backing::{Backing, Sheets};
 use super::regions::Outline;
-use super::shells::Shells;
+use super::shells::{Shells, neighbours};
 use super::sources::{OFFSET, Sources};
 use super::types::{Patch, Side};
 use crate::geometry::{Frame, Ray, polygon};
@@ -18,6 +18,8 @@ use rayon::prelude::*;
 
 /// Paths from each side.
 const PATHS: u64 = 32;
+/// Paths from a dark side among lit ones: what is taken for dark hides nothing from what is lit.
+const PATHS_AMONG_LIT: u64 = 256;
 /// Points on a path, its start included.
 const BOUNCES: u64 = 4;
 /// This many paths must find light: a single one may have slipped through the seam of two faces.
@@ -104,7 +106,7 @@ impl Sources {
             let shell = shells.of_region[index].map(|shell| dark[shell as usize]);
             [Side::Front, Side::Back].map(|side| match shell {
                 Some(dark) if dark[side as usize] => first.side_in_the_dark(index, side),
-                _ => first.side(index, side, how),
+                _ => first.side(index, side, how.paths()),
             })
         };
         let mut reached: Vec<[Reach; 2]> = watch.part(0.1, 0.6).map(outlines, both)?;
@@ -118,13 +120,16 @@ impl Sources {
         // facets around a place that is lit through a gap.
         let search = Search { scene, outlines, sheets, sources: self };
         let dark = search.dark_shells(&shells, Some(&reached), how, &mut watch.part(0.6, 0.7))?;
-        let mut reached = watch.part(0.7, 1.0).map(&reached, |index, both| {
+        let mut reached = watch.part(0.7, 0.95).map(&reached, |index, both| {
             let shell = shells.of_region[index].map_or([false; 2], |shell| dark[shell as usize]);
             [Side::Front, Side::Back].map(|side| match both[side as usize] {
-                Reach::Dark if !shell[side as usize] => search.side(index, side, how),
+                Reach::Dark if !shell[side as usize] => search.side(index, side, how.paths()),
                 known => known,
             })
         })?;
+        if how == LightSearch::Full {
+            search.look_again_among_lit(&mut reached, &mut watch.part(0.95, 1.0))?;
+        }
         if !reached.iter().flatten().any(|&reach| reach == Reach::Lit) {
             // What shines meets nothing: every side is kept, as where nothing shines.
             let dark = reached.iter_mut().flatten().filter(|reach| **reach == Reach::Dark);
@@ -276,13 +281,37 @@ impl<'a> Search<'a> {
             }
         }
         let is_dark = |region: u32, side: Side| {
-            matches!(self.side(region as usize, side, how), Reach::Dark | Reach::Backed)
+            matches!(self.side(region as usize, side, how.paths()), Reach::Dark | Reach::Backed)
         };
         watch.map(&shells.samples, |shell, samples| {
             [Side::Front, Side::Back].map(|side| {
                 may_be_dark[shell][side as usize] && samples.iter().all(|&region| is_dark(region, side))
             })
         })
+    }
+
+    /// Follows more paths from dark sides that have lit ones along half of their edges or more: a facet of a ball just
+    /// above the floor sees little of any light.
+    fn look_again_among_lit(
+        &self,
+        reached: &mut [[Reach; 2]],
+        watch: &mut Watch<'_>,
+    ) -> Result<(), Cancelled> {
+        let around = neighbours(self.outlines, self.sources.offset / OFFSET);
+        let is_lit = |place: usize| matches!(reached[place / 2][place % 2], Reach::Lit | Reach::Black);
+        let is_doubtful = |&place: &usize| {
+            let lit =
+                around[place / 2].iter().filter(|&&other| is_lit(2 * other as usize + place % 2)).count();
+            let edges = self.outlines[place / 2].edges.len();
+            reached[place / 2][place % 2] == Reach::Dark && lit > 0 && 2 * lit >= edges
+        };
+        let doubtful: Vec<usize> = (0..2 * reached.len()).filter(is_doubtful).collect();
+        let sides = [Side::Front, Side::Back];
+        let look = |_, &place: &usize| self.side(place / 2, sides[place % 2], (PATHS_AMONG_LIT, 1));
+        for (&place, reach) in doubtful.iter().zip(watch.map(&doubtful, look)?) {
+            reached[place / 2][place % 2] = reach;
+        }
+        Ok(())
     }
 
     /// How a side stands to light that is known to see none by its neighbours.
@@ -299,7 +328,7 @@ impl<'a> Search<'a> {
         }
     }
 
-    fn side(&self, index: usize, side: Side, how: LightSearch) -> Reach {
+    fn side(&self, index: usize, side: Side, (paths, enough): (u64, u32)) -> Reach {
         let outline = &self.outlines[index];
         if side == Side::Back && self.sheets.backing[index] == Backing::Whole {
             return Reach::Backed;
@@ -318,7 +347,6 @@ impl<'a> Search<'a> {
         starts.retain(|&at| side == Side::Front || !self.sheets.covers_back(index, at));
         let starts: Vec<DVec3> = starts.into_iter().map(|p| outline.world(p)).collect();
         let seed = 2 * index as u64 + side as u64;
-        let (paths, enough) = how.paths();
         let place = 2 * index + side as usize;
         let is_lit = |place: usize| self.is_lit(&starts, self.frame(place), seed, paths, enough);
         // What passes light sends some out where its other side is lit.

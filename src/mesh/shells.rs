@@ -1,5 +1,6 @@
 //! Faces that hang together along edges: where none of many faces of a shell sees light, none is searched by itself.
 
+use super::reach::Reach;
 use super::regions::{Outline, Welder};
 use std::collections::HashMap;
 
@@ -54,6 +55,48 @@ impl Shells {
         }
         shells
     }
+}
+
+/// For each region, those whose edges run along edges of it in the opposite direction, so that both fronts lie on one
+/// side: one per edge of it, and those of edges without any left out.
+pub(super) fn neighbours(outlines: &[Outline], size: f64) -> Vec<Vec<u32>> {
+    let mut welder = Welder::new(size * 1e-7);
+    let mut open: HashMap<(u32, u32), u32> = HashMap::new();
+    let mut found = vec![Vec::new(); outlines.len()];
+    for (index, outline) in (0_u32..).zip(outlines) {
+        for edge in &outline.edges {
+            let [a, b] = edge.map(|end| welder.index(outline.world(end)));
+            if let Some(&other) = open.get(&(b, a)) {
+                found[index as usize].push(other);
+                found[other as usize].push(index);
+            }
+            open.insert((a, b), index);
+        }
+    }
+    found
+}
+
+/// For each region whether light reaches neither its front nor its back, as [`neighbours`] that hang together have it:
+/// where it reaches some of these, it may reach the others as well, however few paths came upon them.
+pub(super) fn dark_as_wholes(outlines: &[Outline], size: f64, reached: &[[Reach; 2]]) -> Vec<[bool; 2]> {
+    let mut parents: Vec<u32> = (0..outlines.len() as u32).collect();
+    for (index, others) in (0_u32..).zip(neighbours(outlines, size)) {
+        for other in others {
+            let (one, other) = (root(&mut parents, index), root(&mut parents, other));
+            parents[one.max(other) as usize] = one.min(other);
+        }
+    }
+    let mut dark = vec![[true; 2]; outlines.len()];
+    let roots: Vec<u32> = (0..outlines.len() as u32).map(|index| root(&mut parents, index)).collect();
+    for (&root, reached) in roots.iter().zip(reached) {
+        for (dark, reach) in dark[root as usize].iter_mut().zip(reached) {
+            *dark &= matches!(reach, Reach::Dark | Reach::Backed);
+        }
+    }
+    let is_dark = |(&root, reached): (&u32, &[Reach; 2])| {
+        [0, 1].map(|side| dark[root as usize][side] && reached[side] == Reach::Dark)
+    };
+    roots.iter().zip(reached).map(is_dark).collect()
 }
 
 fn root(parents: &mut [u32], mut node: u32) -> u32 {
