@@ -81,8 +81,18 @@ impl<'a> Files<'a> {
     }
 }
 
-/// Looks for a file in folders, the earlier ones first.
+/// Looks for a file in folders, the earlier ones first; where there is none, by the name that an address on the web with
+/// `%20` and the like stands for.
 fn locate(name: &str, folders: &[&Path]) -> io::Result<PathBuf> {
+    let decoded =
+        || percent_encoding::percent_decode_str(name).decode_utf8().ok().filter(|plain| plain != name);
+    locate_as_named(name, folders).or_else(|error| match decoded() {
+        Some(plain) => locate_as_named(&plain, folders).map_err(|_| error),
+        None => Err(error),
+    })
+}
+
+fn locate_as_named(name: &str, folders: &[&Path]) -> io::Result<PathBuf> {
     let slashed = name.replace('\\', "/");
     let last = slashed.rsplit('/').next().unwrap_or_default();
     for form in [name, slashed.as_str(), last].into_iter().filter(|form| !form.is_empty()) {
@@ -187,7 +197,8 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let at = |name: &str| folder.path().join(name);
         fs::create_dir_all(at("Lib/Tex")).unwrap();
-        for name in ["a.png", "Lib/a.png", "Lib/Tex/b.png", "c.png", "HAUS.MTL"] {
+        for name in ["a.png", "Lib/a.png", "Lib/Tex/b.png", "c.png", "HAUS.MTL", "oak floor.png", "50%25.png"]
+        {
             fs::write(at(name), name).unwrap();
         }
         let files = Files::beside(folder.path());
@@ -198,6 +209,10 @@ mod tests {
             ("tex/B.PNG", Some("Lib/Tex/b.png")),
             ("C:\\work\\textures\\c.png", Some("c.png")),
             ("../c.png", Some("Lib/../c.png")),
+            ("oak%20floor.png", Some("oak floor.png")),
+            ("tex%2Fb.png", Some("Lib/Tex/b.png")),
+            ("50%25.png", Some("50%25.png")),
+            ("%ff.png", None),
             ("d.png", None),
             ("", None),
             ("Tex", None),

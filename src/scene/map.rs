@@ -6,6 +6,8 @@ use std::fmt::Write as _;
 
 /// No texture is moved or repeated more than this.
 const LARGEST: f64 = 1e6;
+/// Options behind a name are looked for at so many dashes of it.
+const MOST_DASHES: usize = 16;
 
 /// How an image lies on a surface: the image's coordinates are `uv * scale + offset`.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -50,10 +52,24 @@ pub(super) struct Map {
 }
 
 impl Map {
-    /// Reads what follows the keyword. Options come before the name, in any order.
+    /// Reads what follows the keyword. Options come before the name, in any order; some programs write them behind it.
     pub(super) fn parse(rest: &str) -> Self {
         let mut map = Self::default();
-        let mut rest = rest.trim();
+        let mut name = map.take_options(rest.trim());
+        let is_quoted = |at: usize| name[..at].matches('"').count() % 2 == 1;
+        let mut behind = name.match_indices(" -").map(|(at, _)| at).take(MOST_DASHES);
+        let options = behind
+            .find(|&at| !is_quoted(at) && Self::default().take_options(name[at..].trim_start()).is_empty());
+        if let Some(at) = options {
+            map.take_options(name[at..].trim_start());
+            name = name[..at].trim_end();
+        }
+        map.image = unquoted(name).trim_matches('"').to_owned();
+        map
+    }
+
+    /// Reads the options at the beginning; what follows them.
+    fn take_options<'a>(&mut self, mut rest: &'a str) -> &'a str {
         while let Some(option) = rest.strip_prefix('-') {
             let (name, mut tail) = keyword(option);
             let most = match &*name {
@@ -73,11 +89,10 @@ impl Map {
                 values.push(value);
                 tail = after.trim_start();
             }
-            map.take(&name, &values);
+            self.take(&name, &values);
             rest = tail;
         }
-        map.image = unquoted(rest).trim_matches('"').to_owned();
-        map
+        rest
     }
 
     fn take(&mut self, name: &str, values: &[&str]) {
@@ -159,6 +174,10 @@ mod tests {
             ("-odd.png", "-odd.png", ""),
             ("-clamp on", "", "-clamp on "),
             ("-bm 0.2 -imfchan l a.png", "a.png", "-bm 0.2 -imfchan l "),
+            ("a b.png -s 2 3 -clamp on", "a b.png", "-s 2 3 1 -clamp on "),
+            ("-o 1 a - b.png -s 2", "a - b.png", "-o 1 0 0 -s 2 1 1 "),
+            ("\"a -s 2\"", "a -s 2", ""),
+            ("a -s b.png", "a -s b.png", ""),
             ("", "", ""),
         ] {
             let map = Map::parse(given);

@@ -125,8 +125,8 @@ impl Summary {
     }
 }
 
-fn polygons(count: usize) -> String {
-    if count == 1 { "1 surface".to_owned() } else { format!("{count} surfaces") }
+fn count(number: usize, noun: &str) -> String {
+    format!("{number} {noun}{}", if number == 1 { "" } else { "s" })
 }
 
 impl fmt::Display for Summary {
@@ -136,8 +136,12 @@ impl fmt::Display for Summary {
         writeln!(f, "{} ({})", self.name, self.source)?;
         writeln!(
             f,
-            "  surfaces    {}, {} of them smooth; {} corners; {} objects; {} images",
-            self.surfaces, self.smooth_surfaces, self.positions, self.objects, self.textures
+            "  surfaces    {}, {} of them smooth; {}; {}; {}",
+            self.surfaces,
+            self.smooth_surfaces,
+            count(self.positions, "corner"),
+            count(self.objects, "object"),
+            count(self.textures, "image")
         )?;
         writeln!(f, "  extent      {:.3} x {:.3} x {:.3} m, {up} up", size.x, size.y, size.z)?;
         if self.unit != LengthUnit::Metre {
@@ -168,7 +172,7 @@ impl fmt::Display for Summary {
                 "    {:column$}  reflectance {r:.3} {g:.3} {b:.3}{image}, {:.3} m2 in {}",
                 material.name,
                 material.area,
-                polygons(material.surfaces)
+                count(material.surfaces, "surface")
             )?;
         }
         writeln!(f, "  luminaires  {}", self.luminaires.len())?;
@@ -178,7 +182,7 @@ impl fmt::Display for Summary {
                 writeln!(f, "    {:column$}  {lux:.0} lx in the open", lamp.name)?;
                 continue;
             }
-            let polygons = polygons(lamp.surfaces);
+            let polygons = count(lamp.surfaces, "surface");
             write!(f, "    {:column$}  {:.0} lm, {:.4} m2 in {polygons}", lamp.name, lamp.lumens, lamp.area)?;
             match lamp.initial_lumens {
                 output if output == lamp.lumens => writeln!(f)?,
