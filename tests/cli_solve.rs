@@ -263,6 +263,14 @@ fn the_plan_and_the_check_tell_about_the_scene() {
     for effect in ["visibility", "colour-bands", "two-sided", "textures", "smooth-surfaces"] {
         assert!(plan.contains(effect), "{plan}");
     }
+    // What it costs, by default and by error: each error takes more than the one before.
+    let patches = |row: &str| -> f64 {
+        let line = plan.lines().find(|line| line.starts_with(row)).unwrap_or_else(|| panic!("{row}: {plan}"));
+        let count = line[row.len()..].split_whitespace().next().expect("patches");
+        count.replace(',', "").parse().expect("a number")
+    };
+    let [coarse, middle, fine] = ["--error 10%", "--error 3%", "--error 1%"].map(patches);
+    assert!(patches("as asked for") > 0.0 && coarse <= middle && middle < fine, "{plan}");
     let forced = place.succeed(&["plan", "room.obj", "--with", "textures", "--without", "visibility"]);
     assert!(forced.contains("on by choice") && forced.contains("off by choice"), "{forced}");
     let check = place.succeed(&["check", "room.obj"]);

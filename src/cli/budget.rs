@@ -2,12 +2,14 @@ use super::failure::Failure;
 use super::progress::ProgressLine;
 use super::text;
 use crate::accuracy::{AuditSettings, ErrorBudget, Estimate, LEVELS, Ranged};
+use crate::effects::EffectChoices;
 use crate::export::{
     AccuracyReport, AreaReport, AttemptReport, DominantReport, ErrorReport, GoalReport, RangeReport,
 };
 use crate::scene::{LUMINOUS_EFFICACY, Lighting, Scene};
 use crate::solve::{Control, Solution, Timings};
-use crate::study::{self, Goal, News, Reached, Task};
+use crate::study::{self, Goal, News, Outlook, Reached, Task};
+use std::sync::Arc;
 use std::time::Instant;
 
 /// Audits a finished solve; `None` where no light arrives.
@@ -26,6 +28,19 @@ pub(super) fn reach(task: &Task<'_>, started: Instant) -> Result<Reached, Failur
         Control::Continue
     };
     Ok(study::reach(task, started, study::memory(), observe)?)
+}
+
+/// What solves of a scene will take, from a small one, with progress on standard error; `None` where no light arrives.
+pub(super) fn outlook(scene: &Arc<Scene>, effects: &EffectChoices) -> Result<Option<Outlook>, Failure> {
+    let mut line = ProgressLine::new();
+    let observe = &mut |news: News<'_>| {
+        match news {
+            News::Solving(progress) => line.solve(progress),
+            News::Auditing => line.audit(),
+        }
+        Control::Continue
+    };
+    Ok(Outlook::of(scene, &scene.lighting(), effects, study::memory(), observe)?)
 }
 
 /// The budget in a few lines.

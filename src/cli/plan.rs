@@ -1,13 +1,17 @@
 use super::failure::Failure;
 use super::lamps::{self, LampOptions};
 use super::options::{EffectOptions, FrameOptions, PatchOptions, transports};
-use super::{solve, text};
+use super::{budget, solve, text};
 use crate::effects::{EffectPlan, EffectState};
 use crate::solve::{SolveSettings, predicted, prepare};
+use crate::study::{Forecast, Outlook};
 use crate::transport::TransportKind;
 use clap::Args;
 
-/// Tell which effects a scene calls for, why, and what they cost
+/// Errors whose cost is told.
+const ERRORS: [f64; 3] = [0.1, 0.03, 0.01];
+
+/// Tell which effects a scene calls for and why, and what solves of it cost
 #[derive(Args, Debug)]
 pub(super) struct Arguments {
     /// An OBJ file, or builtin:NAME
@@ -47,12 +51,54 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
         text::count(prepared.scene.surfaces.len(), "surface"),
         text::patches(prepared.mesh.patches.len()),
     );
-    let predicted = if prepared.scene.luminaires.is_empty() {
-        String::new()
-    } else {
-        text::predicted(&predicted(&prepared)) + "\n"
+    if prepared.scene.luminaires.is_empty() {
+        return text::print(&(counts + &describe(&prepared.plan)));
+    }
+    let transport = text::predicted(&predicted(&prepared));
+    let costs = budget::outlook(&prepared.scene, &settings.effects)?
+        .map_or_else(String::new, |outlook| costs(&outlook, prepared.mesh.patches.len()));
+    text::print(&(counts + &transport + "\n" + &costs + &describe(&prepared.plan)))
+}
+
+/// What a solve of so many patches at these settings takes, and the last one on the way to each error.
+fn costs(outlook: &Outlook, patches: usize) -> String {
+    let head = ["", "patches", "elements", "seconds", "memory", "error"].map(str::to_owned).to_vec();
+    let about = |value: f64| text::thousands(rounded(value) as usize);
+    let row = |name: String, of: &Forecast| {
+        let memory = format!("{} MB", about(1e3 * of.gigabytes));
+        let error = format!("{} %", two_digits(100.0 * of.error));
+        let seconds = two_digits(of.seconds);
+        vec![name, about(of.patches), about(of.elements), seconds, memory, error]
     };
-    text::print(&(counts + &predicted + &describe(&prepared.plan)))
+    let mut rows = vec![head, row("as asked for".to_owned(), &outlook.by_default(patches))];
+    for asked in ERRORS {
+        let name = format!("--error {:.0}%", 100.0 * asked);
+        rows.push(match outlook.to(asked) {
+            Some(of) => row(name, &of),
+            None => {
+                let memory = format!("over {} MB", about(1e3 * outlook.memory()));
+                let unknown = || "-".to_owned();
+                vec![name, unknown(), unknown(), unknown(), memory, unknown()]
+            }
+        });
+    }
+    format!(
+        "{}predicted from a solve of {} and its check ({}); an error is reached by steps, which take about as long again\n\n",
+        text::table(&rows),
+        text::patches(outlook.measured.fineness.patches as usize),
+        text::seconds(outlook.seconds),
+    )
+}
+
+/// The number with two digits: predictions tell no more.
+fn rounded(value: f64) -> f64 {
+    let digit = 10.0_f64.powf(value.abs().max(f64::MIN_POSITIVE).log10().floor() - 1.0);
+    (value / digit).round() * digit
+}
+
+fn two_digits(value: f64) -> String {
+    let text = text::significant(rounded(value));
+    if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.').to_owned() } else { text }
 }
 
 /// Two or three lines an effect: its state, why, on what evidence and at what cost.
@@ -85,6 +131,14 @@ pub(super) fn state_name(state: EffectState) -> &'static str {
 mod tests {
     use super::*;
     use crate::effects::{Decision, Effect};
+
+    #[test]
+    fn predictions_have_two_digits() {
+        let cases = [(37.4, "37"), (5.42, "5.4"), (0.0912, "0.091"), (131.0, "130"), (0.3, "0.3")];
+        for (value, told) in cases {
+            assert_eq!(two_digits(value), told);
+        }
+    }
 
     #[test]
     fn a_decision_shows_its_reason_and_evidence() {

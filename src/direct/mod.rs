@@ -24,4 +24,4 @@ pub use elements::{Element, ElementCorner, Elements, NO_ELEMENT, Trees};
 pub use focus::Focus;
 pub use layout::Layout;
 pub use light::{DirectLight, Scratch, Views};
-pub use refine::ElementSettings;
+pub use refine::{DEAR, ElementSettings, NEARLY};

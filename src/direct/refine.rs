@@ -54,8 +54,9 @@ const BULK: f64 = 0.6;
 /// for from.
 pub(super) const NARROWED: f64 = 0.3;
 /// Where division has taken this part of the work that it may take, so many times the error asked for is good enough.
-const DEAR: u64 = 25;
-const NEARLY: f64 = 4.0;
+pub const DEAR: u64 = 25;
+/// See [`DEAR`].
+pub const NEARLY: f64 = 4.0;
 /// No edge is divided below this share of the scene's size.
 const SHORTEST: f64 = 2e-5;
 /// Passes at most.

@@ -4,7 +4,7 @@ use super::contacts::Contacts;
 use super::grading::{Grading, Lamps};
 use super::patches;
 use super::pieces::{self, Cut, Grid};
-use super::reach::{Buried, LightSearch, Reach, Search};
+use super::reach::{Buried, LightSearch, Search};
 use super::refinement::Refinement;
 use super::regions::Outline;
 use super::shells::dark_as_wholes;

@@ -3,11 +3,12 @@
 
 use super::audited::audit;
 use super::cost::{CostModel, Limits, Measured};
-use super::goal_run::{GoalRun, Obstacle, Step, Verdict};
+use super::goal_run::{GoalRun, Step};
 use super::points::{PointErrors, points};
 use super::refine::refined;
 use super::trial::pace;
 use super::until::{Known, Outcome, solve_until};
+use super::verdict::{Obstacle, Verdict};
 use crate::accuracy::{ErrorBudget, Estimate};
 use crate::effects::EffectChoices;
 use crate::memory::available_bytes;

@@ -3,13 +3,13 @@
 
 use super::cost::{CostModel, Fineness, Limits};
 use super::goal::{Attempt, Goal};
+use super::verdict::{Obstacle, Verdict};
 use crate::accuracy::{AuditSettings, ErrorBudget};
 use crate::effects::EffectChoices;
 use crate::form_factors::{Method, ReceivingPoints};
 use crate::mesh::{PatchTarget, Refinement};
 use crate::solve::{DirectTarget, SolveSettings};
 use crate::transport::TransportKind;
-use std::fmt;
 use std::sync::Arc;
 
 /// Patches and half-planes of the first solve, which calibrates the rest on this machine.
@@ -28,11 +28,13 @@ const TIME_AIM: f64 = 0.7;
 const DIRECT: f64 = 0.3;
 const DIRECT_MOST: f64 = 0.45;
 const FINER_DIRECT: f64 = 0.5;
+/// What elements expect to be off by is so many times what they are, or more: 2.2 to 3 in four scenes.
+const EXPECTED: f64 = 2.0;
 /// Elements at most.
 const MOST_ELEMENTS: usize = 1_000_000;
 /// Within a time direct light gets so many elements for each second, and is better than this at most.
 const ELEMENTS_A_SECOND: f64 = 1000.0;
-const WORK_A_SECOND: f64 = 4e5;
+pub(super) const WORK_A_SECOND: f64 = 4e5;
 const BEST_DIRECT: f64 = 2e-3;
 /// With time left, another solve is made where it is predicted to leave this part of the error at most.
 const GAIN: f64 = 0.8;
@@ -58,122 +60,14 @@ pub enum Step {
     End,
 }
 
-/// What stands in the way of a goal.
-#[derive(Clone, Debug, PartialEq)]
-pub enum Obstacle {
-    /// The next solve would not have ended in time.
-    Time,
-    /// The last solve was cut short by the time.
-    CutShort,
-    /// Not even the coarsest solve ended in time.
-    Unfinished,
-    /// The next solve was refused, for this reason.
-    Refused(String),
-    /// No light arrives anywhere.
-    Dark,
-    /// A mesh that promises the error needs more memory or patches than there are.
-    TooFine {
-        /// Most that form factors may take, and what they take now, GB.
-        gigabytes: [f64; 2],
-        /// Patches at most.
-        most: f64,
-    },
+/// How direct light is laid out that is to be off by so much.
+fn elements_for(error: f64) -> DirectTarget {
+    DirectTarget { error: EXPECTED * error, most: MOST_ELEMENTS, work: u64::MAX }
 }
 
-impl fmt::Display for Obstacle {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Self::Time => f.write_str("the next step would not have ended in time"),
-            Self::CutShort => f.write_str("the last solve was cut short by the time"),
-            Self::Unfinished => f.write_str(
-                "not even the coarsest solve ended in time; the light is that of the brightest patches",
-            ),
-            Self::Refused(reason) => f.write_str(reason),
-            Self::Dark => f.write_str("no light arrives anywhere, so that there is no error to speak of"),
-            Self::TooFine { gigabytes: [free, now], most } => write!(
-                f,
-                "a mesh fine enough would need more than the {free:.1} GB that are free for form factors \
-                 ({now:.1} GB now), or more than {most} patches"
-            ),
-        }
-    }
-}
-
-/// How the way to a goal ended.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Verdict {
-    /// What was asked for.
-    pub goal: Goal,
-    /// Points where errors count; none for the picture.
-    pub places: usize,
-    /// What the audit of the best solve found, at the points where there are some; `None` where there was no light or no time.
-    pub budget: Option<ErrorBudget>,
-    /// The error predicted of the last solve.
-    pub predicted_error: Option<f64>,
-    /// Seconds of all work.
-    pub seconds: f64,
-    /// What stood in the way, where something did.
-    pub obstacle: Option<Obstacle>,
-}
-
-impl Verdict {
-    /// Whether the goal was met.
-    pub fn met(&self) -> bool {
-        match self.goal {
-            Goal::Error(asked) => self.budget.is_some_and(|found| found.total.error <= asked),
-            Goal::Seconds(asked) => self.obstacle != Some(Obstacle::Unfinished) && self.seconds <= asked,
-        }
-    }
-}
-
-/// One sentence: how far it got, and what stood in the way.
-impl fmt::Display for Verdict {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let percent = |share: f64| format!("{:.2} %", 100.0 * share);
-        let because = self.obstacle.as_ref().map_or(String::new(), |o| format!(": {o}"));
-        let seconds = self.seconds;
-        if self.obstacle == Some(Obstacle::Unfinished) {
-            return write!(f, "{seconds:.2} s{because}");
-        }
-        let estimate = self.budget.map(|found| {
-            let [error, low, high] = [found.total.error, found.total.low, found.total.high].map(percent);
-            match self.places {
-                0 => format!("error {error} ({low} to {high})"),
-                1 => format!("error {error} at the point"),
-                n => format!("error {error} (RMS) at the {n} points"),
-            }
-        });
-        match (self.goal, &self.budget) {
-            (Goal::Error(asked), Some(found)) if found.total.error <= asked => {
-                // Goals are about the estimate; that it is uncertain is told.
-                let unsure = if found.total.high > asked { "; the interval reaches beyond" } else { "" };
-                write!(f, "{}, as asked for{unsure}", estimate.unwrap_or_default())
-            }
-            (Goal::Error(asked), Some(found)) => {
-                let over = percent(found.total.error - asked);
-                let why = if because.is_empty() {
-                    format!(": {MOST_SOLVES} solves did not suffice")
-                } else {
-                    because
-                };
-                write!(f, "{}, {over} more than asked for{why}", estimate.unwrap_or_default())
-            }
-            (Goal::Error(_), None) => write!(f, "the error is not known{because}"),
-            (Goal::Seconds(asked), _) => {
-                let error = match (estimate, self.predicted_error) {
-                    (Some(estimate), _) => estimate,
-                    (None, Some(predicted)) => {
-                        format!("error predicted to be {}, with no time left to check it", percent(predicted))
-                    }
-                    (None, None) => "error not known".to_owned(),
-                };
-                let over = seconds - asked;
-                let over =
-                    if over <= 0.0 { String::new() } else { format!(", {over:.2} s more than asked for") };
-                write!(f, "{seconds:.2} s of {asked} s{over}, {error}{because}")
-            }
-        }
-    }
+/// For an error that is asked for: how direct light is laid out at first, and what is aimed at, in all and of direct light.
+pub(super) fn direct_target(error: f64) -> (DirectTarget, [f64; 2]) {
+    (elements_for(DIRECT * error), [AIM[0] * error, DIRECT * error])
 }
 
 /// The way to one goal.
@@ -187,7 +81,7 @@ pub struct GoalRun {
     refinement: Option<Arc<Refinement>>,
     /// By how much smaller the next solve is to be than the time would allow.
     share: f64,
-    /// What direct light is to be off by, as a share of the error asked for, as elements estimate it themselves.
+    /// What direct light is to be off by, as a share of the error asked for.
     direct: f64,
     /// What the next solve's direct light will be off by, where it is finer than that of the last.
     finer_direct: Option<f64>,
@@ -275,9 +169,7 @@ impl GoalRun {
             resolution: Some(self.next.lines as u32),
             points: ReceivingPoints::Auto,
             direct: match self.goal {
-                Goal::Error(error) => {
-                    DirectTarget { error: self.direct * error, most: MOST_ELEMENTS, work: u64::MAX }
-                }
+                Goal::Error(error) => elements_for(self.direct * error),
                 Goal::Seconds(seconds) => DirectTarget {
                     error: BEST_DIRECT,
                     work: (seconds * WORK_A_SECOND) as u64,
@@ -555,7 +447,7 @@ mod tests {
             let budget = ErrorBudget { direct, ..found(0.06) };
             assert_eq!(run.step(&model, Some(&budget), 10.0), Step::Solve);
             let settings = run.begin(&model);
-            (settings.direct.error / (DIRECT * 0.03), run.predicted[1])
+            (settings.direct.error / (EXPECTED * DIRECT * 0.03), run.predicted[1])
         };
         let of = |error: f64, low: f64| Estimate { error, low, high: 2.0 * error };
         let (usual, predicted) = target_after(of(0.01, 0.009));

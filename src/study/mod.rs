@@ -6,6 +6,7 @@
 mod audited;
 mod chart;
 mod cost;
+mod forecast;
 mod goal;
 mod goal_run;
 mod points;
@@ -13,17 +14,20 @@ mod refine;
 mod sweep;
 pub mod table;
 mod trial;
+mod verdict;
 mod until;
 
 pub use audited::{audit, shown};
 pub use chart::chart;
 pub use cost::{CostModel, Fineness, Limits, Measured};
+pub use forecast::{Forecast, Outlook};
 pub use goal::{Attempt, Goal, MOST_PATCHES, News, Reached, Task, fewest, memory, reach};
-pub use goal_run::{GoalRun, MOST_SOLVES, Obstacle, Step, Verdict};
+pub use goal_run::{GoalRun, MOST_SOLVES, Step};
 pub use points::{PointErrors, points};
 pub use refine::refined;
 pub use sweep::{Entry, entries, foreseen, measure, pareto};
 pub use trial::{Pace, Trial, pace, trial};
+pub use verdict::{Obstacle, Verdict};
 
 use crate::scene::Scene;
 
