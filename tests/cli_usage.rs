@@ -196,7 +196,9 @@ fn a_reader_that_goes_away_is_no_error() {
         let mut complaint = String::new();
         child.stderr.take().unwrap().read_to_string(&mut complaint).unwrap();
         assert_eq!(child.wait().unwrap().code(), Some(0), "{arguments:?}: {complaint}");
-        assert!(complaint.is_empty(), "{arguments:?}: {complaint}");
+        // What is computed is followed by its progress.
+        let is_told = complaint.is_empty() || arguments[0] == "plan" && !complaint.contains("lumenwalk:");
+        assert!(is_told, "{arguments:?}: {complaint}");
     }
 }
 

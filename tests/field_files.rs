@@ -129,7 +129,7 @@ fn formats_of_images_are_those_that_modellers_use() {
         place.put("room.mtl", &floor(&format!("map_Kd {name}")));
         let told = place.succeed(&["check", "room.obj"]);
         let warns = told.lines().any(|line| line.starts_with("warning"));
-        assert!(told.contains("1 images") && !warns, "{name}: {told}");
+        assert!(told.contains("; 1 image\n") && !warns, "{name}: {told}");
     }
     hold(&place, "room.obj", OAK, "");
 }

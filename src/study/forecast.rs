@@ -19,8 +19,9 @@ const FIRST: f64 = 0.1;
 const CHECK: f64 = 4.0;
 /// Elements grow with this power of what they are off by: 1.05 to 1.6 in four scenes, more where thin things throw shadows.
 const ELEMENTS: f64 = 1.3;
-/// Bytes of an element with its corner and light, and of the program besides.
-const ELEMENT_BYTES: f64 = 400.0;
+/// Bytes of an element while it is laid out, with its corner, its light and what it may see (gallery, a million: 1.15 GB), and of
+/// the program besides.
+const ELEMENT_BYTES: f64 = 1150.0;
 const PROGRAM_GIGABYTES: f64 = 0.06;
 
 /// What one solve is predicted to take.
