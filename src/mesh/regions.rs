@@ -6,6 +6,9 @@ use crate::watch::{Cancelled, Watch};
 use glam::{DVec2, DVec3};
 use std::collections::{HashMap, VecDeque};
 
+/// Normals within this cosine (0.26 degrees) are one.
+const SAME_NORMAL: f64 = 0.99999;
+
 /// A region before it is cut: its plane, its convex parts and its outline.
 pub(super) struct Outline {
     pub(super) origin: DVec3,
@@ -326,7 +329,7 @@ fn is_convex(corners: &[DVec2]) -> bool {
 
 /// Whether the model gives a surface of this plane other normals at its corners.
 fn is_curved(scene: &Scene, surface: &Surface, normal: DVec3) -> bool {
-    let leans = |&n: &u32| scene.normals[n as usize].dot(normal).abs() < 0.99999;
+    let leans = |&n: &u32| scene.normals[n as usize].dot(normal).abs() < SAME_NORMAL;
     surface.corners.iter().filter_map(|corner| corner.normal.as_ref()).any(leans)
 }
 
@@ -348,15 +351,14 @@ fn joined_attributes(
     if !surfaces().any(|surface| is_curved(scene, surface, normal)) {
         return Some(Attributes::default());
     }
-    let of = |&at: &DVec2| {
-        let here = surfaces()
-            .flat_map(|surface| &surface.corners)
-            .filter(|corner| plane(scene.positions[corner.position as usize]) == at)
-            .map(|corner| corner_normal(scene, corner, normal));
-        let mut all = here.collect::<Vec<DVec3>>().into_iter();
-        let first = all.next()?;
-        all.all(|other| other.dot(first) > 0.99999).then_some((at, first, DVec2::ZERO))
-    };
+    let key = |at: DVec2| at.to_array().map(f64::to_bits);
+    let mut known: HashMap<[u64; 2], Option<DVec3>> = HashMap::new();
+    for corner in surfaces().flat_map(|surface| &surface.corners) {
+        let given = corner_normal(scene, corner, normal);
+        let here = known.entry(key(plane(scene.positions[corner.position as usize]))).or_insert(Some(given));
+        *here = here.filter(|first| first.dot(given) > SAME_NORMAL);
+    }
+    let of = |&at: &DVec2| Some((at, known.get(&key(at)).copied().flatten()?, DVec2::ZERO));
     Some(Attributes { corners: corners.iter().map(of).collect::<Option<_>>()? })
 }
 
