@@ -293,7 +293,7 @@ fn a_ball_a_hair_above_the_floor_is_in_the_light_all_around() {
     let scene = ball_of_triangles(0.02, 40, 20);
     let mesh = build(&scene, &MeshSettings::default()).unwrap();
     let ball = || mesh.regions.iter().filter(|region| region.object == 2);
-    let dark = |side: Side| ball().filter(|region| region.dark[side as usize]).count();
+    let dark = |side: Side| ball().filter(|region| region.dark_as_whole[side as usize]).count();
     assert!(ball().count() > 700);
     assert_eq!([dark(Side::Front), dark(Side::Back)], [0, ball().count()], "lit outside, dark inside");
 }

@@ -60,7 +60,7 @@ impl Obstacles {
             all.starts.push(all.corners.len() as u32);
             all.planes.push(mesh.regions[region as usize].frame.normal);
             all.regions.push(region);
-            all.dark.push(mesh.regions[region as usize].dark);
+            all.dark.push(mesh.regions[region as usize].dark_as_whole);
             all.bounds.push(Aabb::around(polygon.iter().copied()));
             let longest = (0..polygon.len())
                 .map(|k| polygon[k].distance(polygon[(k + 1) % polygon.len()]))

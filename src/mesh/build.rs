@@ -4,7 +4,7 @@ use super::contacts::Contacts;
 use super::grading::{Grading, Lamps};
 use super::patches;
 use super::pieces::{self, Cut, Grid};
-use super::reach::{Buried, LightSearch, Search};
+use super::reach::{Buried, LightSearch, Reach, Search};
 use super::refinement::Refinement;
 use super::regions::Outline;
 use super::shells::dark_as_wholes;
@@ -237,14 +237,16 @@ pub fn build_on(
     if mesh.patches.is_empty() {
         return Err(MeshError::Empty);
     }
-    // What stands in the light is dark as a whole or hides what is behind it.
-    let dark = dark_as_wholes(outlines, size, reached);
-    let front_is_dark = |&index: &u32| dark[index as usize][Side::Front as usize];
+    let dark: Vec<[bool; 2]> = reached.iter().map(|sides| sides.map(|reach| reach == Reach::Dark)).collect();
+    let wholes = dark_as_wholes(outlines, size, reached);
     for (index, region) in mesh.regions.iter_mut().enumerate() {
-        region.dark = dark[index];
-        if region.backing == Backing::Whole {
-            region.dark[Side::Back as usize] = sheets.backers[index].iter().all(front_is_dark);
-        }
+        [region.dark, region.dark_as_whole] = [&dark, &wholes].map(|dark| match region.backing {
+            Backing::Whole => {
+                let front_is_dark = |&other: &u32| dark[other as usize][Side::Front as usize];
+                [dark[index][Side::Front as usize], sheets.backers[index].iter().all(front_is_dark)]
+            }
+            _ => dark[index],
+        });
     }
     if settings.backs == Backs::Reached {
         let points = |patch: &Patch| patches::inner_points(&mesh, patch);

@@ -240,6 +240,7 @@ pub(super) fn append(mesh: &mut PatchMesh, outline: &Outline, grid: &Grid, cuts:
         bounds: outline.bounds,
         area: outline.area,
         dark: [false; 2],
+        dark_as_whole: [false; 2],
         backing: super::Backing::None,
         has_holes: outline.has_holes,
     });

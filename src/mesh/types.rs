@@ -62,6 +62,9 @@ pub struct Region {
     pub area: f64,
     /// For front and back whether no light reaches that side, so that nothing lit ever sees it.
     pub dark: [bool; 2],
+    /// The same where it is so of all that hangs together with the region along edges: direct light, which has no sums to
+    /// keep, is not let through a side that a few paths of light may have missed.
+    pub dark_as_whole: [bool; 2],
     /// How much of its back is covered by others that lie there and face that way.
     pub backing: Backing,
     /// Its image has holes: its pieces stand among the panes, which dim, and hide nothing by themselves.
