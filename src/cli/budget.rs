@@ -17,30 +17,25 @@ pub(super) fn audit(solved: &Solution, lighting: &Lighting) -> Option<ErrorBudge
     study::audit(solved, lighting, &AuditSettings::default(), &|| false).map(|found| found.budget)
 }
 
+/// Tells on standard error where work stands.
+fn tell(line: &mut ProgressLine, news: &News<'_>) -> Control {
+    match news {
+        News::Solving(progress) => line.solve(progress),
+        News::Auditing => line.audit(),
+    }
+    Control::Continue
+}
+
 /// Solves to a goal with progress on standard error.
 pub(super) fn reach(task: &Task<'_>, started: Instant) -> Result<Reached, Failure> {
     let mut line = ProgressLine::new();
-    let observe = &mut |news: News<'_>| {
-        match news {
-            News::Solving(progress) => line.solve(progress),
-            News::Auditing => line.audit(),
-        }
-        Control::Continue
-    };
-    Ok(study::reach(task, started, study::memory(), observe)?)
+    Ok(study::reach(task, started, study::memory(), &mut |news| tell(&mut line, &news))?)
 }
 
 /// What solves of a scene will take, from a small one, with progress on standard error; `None` where no light arrives.
 pub(super) fn outlook(scene: &Arc<Scene>, effects: &EffectChoices) -> Result<Option<Outlook>, Failure> {
     let mut line = ProgressLine::new();
-    let observe = &mut |news: News<'_>| {
-        match news {
-            News::Solving(progress) => line.solve(progress),
-            News::Auditing => line.audit(),
-        }
-        Control::Continue
-    };
-    Ok(Outlook::of(scene, &scene.lighting(), effects, study::memory(), observe)?)
+    Ok(Outlook::of(scene, &scene.lighting(), effects, study::memory(), &mut |news| tell(&mut line, &news))?)
 }
 
 /// The budget in a few lines.
