@@ -296,12 +296,12 @@ fn a_model_on_its_side_is_noticed_wherever_it_is_read() {
     let solve = ["solve", "side.obj", "--patches", "50", "--resolution", "8"];
     for command in [&solve[..], &["plan", "side.obj"]] {
         let told = stderr(command);
-        for words in ["lie on its side", "--up z", "rooms are 2000 m high", "--unit mm"] {
+        for words in ["note: z was taken for up", "--up y", "rooms are 2000 m high", "--unit mm"] {
             assert_eq!(told.matches(words).count(), 1, "{words}: {told}");
         }
     }
     let told = place.run(&["check", "side.obj"]).stdout;
-    assert!(String::from_utf8(told).unwrap().contains("lie on its side"));
+    assert!(String::from_utf8(told).unwrap().contains("z was taken for up"));
     let told = stderr(&[&solve[..], &["--up", "z", "--unit", "mm"]].concat());
     assert!(!told.contains("warning"), "{told}");
 }

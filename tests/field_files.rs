@@ -146,7 +146,10 @@ fn habits_of_models_leave_the_light_as_it_is() {
         (OBJ.replace("mtllib room.mtl", "mtllib ROOM.mtl # ours"), ""),
         (OBJ.replace("mtllib room.mtl", "mtllib gone.mtl"), "'room.mtl' was read for its name"),
         (OBJ.replace("mtllib room.mtl\n", ""), "room.obj names none"),
-        (OBJ.replace("v 0 0 0\n", "v 0 0 0 0.5 0.5 0.5\n"), "colours of corners are not read (1)"),
+        (
+            OBJ.replace("v 0 0 0\n", "v 0 0 0 0.5 0.5 0.5\n"),
+            "colours of corners are not read where faces have a material, which says what reflects (1 in the file)",
+        ),
     ] {
         place.put("room.obj", &obj);
         hold(&place, "room.obj", PLAIN, words);

@@ -19,7 +19,7 @@ use std::time::Instant;
 /// already is not measured again, so that an interrupted run goes on where it ended.
 #[derive(Args, Debug)]
 pub(super) struct Arguments {
-    /// An OBJ file, or builtin:NAME
+    /// A model (OBJ, glTF, GLB, PLY), or builtin:NAME
     #[arg(value_name = "SCENE")]
     scene: String,
     #[command(flatten)]

@@ -18,7 +18,7 @@ const MOST_SURFACES: usize = 40_000;
 /// Exits with 1 where a part of the model had to be left out.
 #[derive(Args, Debug)]
 pub(super) struct Arguments {
-    /// An OBJ file, builtin:NAME, or an .ies, .ldt or .epw file
+    /// A model (OBJ, glTF, GLB, PLY), builtin:NAME, or an .ies, .ldt or .epw file
     #[arg(value_name = "FILE")]
     scene: String,
     #[command(flatten)]

@@ -14,7 +14,7 @@ const ERRORS: [f64; 3] = [0.1, 0.03, 0.01];
 /// Tell which effects a scene calls for and why, and what solves of it cost
 #[derive(Args, Debug)]
 pub(super) struct Arguments {
-    /// An OBJ file, or builtin:NAME
+    /// A model (OBJ, glTF, GLB, PLY), or builtin:NAME
     #[arg(value_name = "SCENE")]
     scene: String,
     #[command(flatten)]

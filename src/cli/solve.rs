@@ -14,7 +14,7 @@ use crate::display::{DisplayMesh, Shading};
 use crate::effects::Effect;
 use crate::export::{self, atomic, read_points};
 use crate::outputs::{LitScene, StillKind, in_detail, is_same_file, save_patch_table};
-use crate::scene::{self, Lighting, Scene, Severity, View};
+use crate::scene::{self, FindingKind, Lighting, Scene, Severity, View};
 use crate::solve::{self, Control, Overcast, Progress, Solution, SolveSettings};
 use crate::solver::PatchLight;
 use crate::study::{Goal, Task};
@@ -29,7 +29,7 @@ use std::time::Instant;
 #[derive(Args, Debug)]
 #[command(group = ArgGroup::new("pictures").args(["image", "tour"]).multiple(true))]
 pub(super) struct Arguments {
-    /// An OBJ file, or builtin:NAME
+    /// A model (OBJ, glTF, GLB, PLY), or builtin:NAME
     #[arg(value_name = "SCENE")]
     scene: String,
     #[command(flatten)]
@@ -146,7 +146,7 @@ impl Arguments {
         let model = scene.source.path();
         let own = model.iter().flat_map(|path| ["obj", "mtl", "toml"].map(|kind| path.with_extension(kind)));
         let given = model.map(Path::to_owned).into_iter().chain(self.points.clone());
-        let inputs: Vec<PathBuf> = own.chain(given).chain(scene.photometric_files.iter().cloned()).collect();
+        let inputs: Vec<PathBuf> = own.chain(given).chain(scene.read_from.iter().cloned()).collect();
         // No output is a model or its materials, whatever their name.
         let is_model = |path: &Path| {
             let kind = path.extension().unwrap_or_default().to_ascii_lowercase();
@@ -335,7 +335,9 @@ fn under_sky(scene: &Scene, text: &str) -> Result<Scene, Failure> {
 pub(super) fn load(name: &str, frame: &FrameOptions, lamps: LampOptions) -> Result<Arc<Scene>, Failure> {
     const SHOWN: usize = 12;
     let scene = scene::load(&frame.source(name)?)?;
-    let doubts: Vec<_> = scene.findings.iter().filter(|f| f.severity >= Severity::Warning).collect();
+    // A guess at the way up changes all pictures, however good it is.
+    let is_told = |f: &&scene::Finding| f.severity >= Severity::Warning || f.kind == FindingKind::UpAxis;
+    let doubts: Vec<_> = scene.findings.iter().filter(is_told).collect();
     for finding in doubts.iter().take(SHOWN) {
         text::complain(&format!("{}: {}", report::severity_name(finding.severity), finding.message));
     }

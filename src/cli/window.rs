@@ -15,7 +15,7 @@ const DEFAULT_SCENE: &str = "builtin:hemicube";
 
 #[derive(Args, Debug)]
 pub(super) struct Arguments {
-    /// An OBJ file, or builtin:NAME [default: builtin:hemicube]
+    /// A model (OBJ, glTF, GLB, PLY), or builtin:NAME [default: builtin:hemicube]
     #[arg(value_name = "SCENE")]
     scene: Option<String>,
     #[command(flatten)]

@@ -1,4 +1,4 @@
-use crate::export::{ExportError, atomic};
+use crate::export::{ExportError, atomic, write_png};
 use crate::scene::{Mended, Scene, SceneError, mend, sidecar_path};
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
@@ -21,7 +21,7 @@ pub enum RepairError {
 }
 
 /// Writes a mended copy of a model (see [`mend`]): `copy`, and beside it its library and, where the
-/// model has one, its sidecar. Each file is written beside its place and then renamed, the OBJ last.
+/// model has one, its sidecar, and images where they stood within the model. Each file is written beside its place and then renamed, the OBJ last.
 ///
 /// # Errors
 /// See [`RepairError`].
@@ -33,13 +33,18 @@ pub fn save_repaired(copy: &Path, scene: &Scene) -> Result<Mended, RepairError> 
         (&sidecar, mended.sidecar.as_ref()),
         (&copy.to_owned(), Some(&mended.obj)),
     ];
-    for (path, _) in &files {
+    let folder = copy.parent().unwrap_or(Path::new(""));
+    let images: Vec<PathBuf> = mended.images.iter().map(|image| folder.join(&image.name)).collect();
+    for path in files.iter().map(|(path, _)| *path).chain(&images) {
         if mended.sources.iter().any(|source| is_same_file(path, source)) {
-            return Err(RepairError::Original((*path).clone()));
+            return Err(RepairError::Original(path.clone()));
         }
     }
     if mended.sidecar.is_none() && sidecar.exists() {
         return Err(RepairError::ForeignSidecar(sidecar));
+    }
+    for (path, image) in images.iter().zip(&mended.images) {
+        write_png(path, image.size[0], image.size[1], &image.rgba)?;
     }
     for (path, text) in files {
         if let Some(text) = text {

@@ -9,7 +9,7 @@ pub enum SceneError {
     #[error("{}: there is no such file", .0.display())]
     Missing(PathBuf),
     /// A folder stands where a file is wanted.
-    #[error("{}: this is a folder; name an OBJ file in it", .0.display())]
+    #[error("{}: this is a folder; name a model file in it", .0.display())]
     Folder(PathBuf),
     /// The system refuses to read.
     #[error("{}: cannot be read ({reason})", path.display())]
@@ -38,7 +38,7 @@ pub enum SceneError {
     /// Faces, but none that can be used.
     #[error("{file}: none of the {faces} faces has an area, so there is nothing to light")]
     NoArea {
-        /// The OBJ file.
+        /// The model file.
         file: String,
         /// Faces in it.
         faces: usize,

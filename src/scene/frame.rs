@@ -32,11 +32,20 @@ pub(super) struct Judgement {
     pub(super) findings: Vec<Finding>,
     /// Metres of the model to one of an adult, above zero.
     pub(super) scale: f64,
+    /// Which way up it is to be looked at.
+    pub(super) up: UpAxis,
 }
 
 /// Judges a scene whose unit and up axis were `stated` by its sidecar or by the user: what is stated is
-/// not doubted, unless it makes a thing of the size of an atom or of a country.
-pub(super) fn judge(scene: &Scene, extent: &Extent, space: &Space, stated: FrameChoice) -> Judgement {
+/// not doubted, unless it makes a thing of the size of an atom or of a country. Where a model lies on its side and nobody
+/// has written a sidecar for it, so that it `may_be_turned`, it is set upright.
+pub(super) fn judge(
+    scene: &Scene,
+    extent: &Extent,
+    space: &Space,
+    stated: FrameChoice,
+    may_be_turned: bool,
+) -> Judgement {
     let lies = stated.up.is_none().then(|| up_evidence(scene, extent)).and_then(|e| e.proposal());
     let up = if lies.is_some() { UpAxis::Z } else { scene.up };
     let room = space.headroom(up.vector());
@@ -44,7 +53,19 @@ pub(super) fn judge(scene: &Scene, extent: &Extent, space: &Space, stated: Frame
 
     let mut findings = Vec::new();
     let proposed = unit.as_ref().and_then(|doubt| doubt.proposal);
-    if let Some(reasons) = lies {
+    let is_turned = may_be_turned && lies.is_some();
+    let looked_at = if is_turned { up } else { scene.up };
+    if let Some(reasons) = lies.as_ref().filter(|_| is_turned) {
+        let message = format!(
+            "z was taken for up: {reasons}; if y is up, say so: {}",
+            how_to(scene, "Y is up", "--up y", "up = \"y\"")
+        );
+        findings.push(
+            Finding::new(FindingKind::UpAxis, Severity::Note, message)
+                .with("light is the same either way; only views and walking ask which way is up")
+                .remedied(scene.unit, UpAxis::Y),
+        );
+    } else if let Some(reasons) = lies {
         let message = format!(
             "the model seems to lie on its side: {reasons}; if so, choose z up: {}",
             how_to(scene, "Z is up", "--up z", "up = \"z\"")
@@ -68,14 +89,15 @@ pub(super) fn judge(scene: &Scene, extent: &Extent, space: &Space, stated: Frame
         Some(unit) => scene.unit.metres() / unit.metres(),
         None => 1.0,
     };
-    let here = if up == scene.up { room } else { space.headroom(scene.up.vector()) };
-    let tall = extent.main.size().dot(scene.up.vector());
+    let here = if up == looked_at { room } else { space.headroom(looked_at.vector()) };
+    let tall = extent.main.size().dot(looked_at.vector());
     let scale = match here {
         Some(room) if room > HIGHEST_HALL * adult => 0.25 * room,
         _ if tall > 0.0 => adult.min(tall / 2.4),
         _ => 0.25 * extent.main.diagonal(),
     };
-    Judgement { findings, scale: if scale > 0.0 && scale.is_finite() { scale } else { 1.0 } }
+    let scale = if scale > 0.0 && scale.is_finite() { scale } else { 1.0 };
+    Judgement { findings, scale, up: looked_at }
 }
 
 /// Whether a model is of no size that anything is built in.
@@ -338,6 +360,28 @@ mod tests {
             let lies = doubts.iter().any(|finding| finding.kind == FindingKind::UpAxis);
             assert!(!lies, "what is stated is not doubted");
         }
+    }
+
+    #[test]
+    fn a_model_without_a_sidecar_that_lies_on_its_side_is_set_upright() {
+        let mtl = "newmtl a\nKd 0.5 0.5 0.5\nnewmtl light\nKd 0 0 0\nKe 9 9 9\n";
+        let read = |model: &Model| from_text("t", &model.text, mtl, None).unwrap();
+        let scene = read(&storey().z_up());
+        let told = scene.findings.iter().find(|finding| finding.kind == FindingKind::UpAxis).unwrap();
+        assert_eq!(
+            (scene.up, told.severity, told.remedy),
+            (UpAxis::Z, Severity::Note, Some((LengthUnit::Metre, UpAxis::Y)))
+        );
+        assert!(told.message.starts_with("z was taken for up: "), "{}", told.message);
+        assert!(told.message.contains("up = \"y\""), "{}", told.message);
+        let view = &scene.views[scene.start_view];
+        assert!((0.5..2.5).contains(&view.eye.z), "one stands on the floor: {view:?}");
+        assert_eq!(read(&storey()).up, UpAxis::Y);
+        // In feet and on its side: both are told, and the buttons do not undo each other.
+        let feet = read(&storey().scaled(1.0 / 0.3048).z_up());
+        assert_eq!(feet.up, UpAxis::Z);
+        let unit = feet.findings.iter().find(|finding| finding.kind == FindingKind::Unit).unwrap();
+        assert_eq!(unit.remedy, Some((LengthUnit::Foot, UpAxis::Z)));
     }
 
     #[test]

@@ -1,53 +1,45 @@
-//! One path from texts to a [`Scene`], for files and embedded scenes alike.
+//! One path from model files to a [`Scene`], whatever their format, and for embedded scenes alike.
 
 use super::error::SceneError;
 use super::extent::{self, Extent, Footprint};
-use super::finding::{Finding, FindingKind, Severity};
 use super::lookup::{Files, read_complete};
 use super::luminaires::{Parts, gather};
-use super::mtl::Materials;
-use super::obj::{Face, Obj};
+use super::model::{self, Face, Given, Importer, Model, Polygons};
 use super::photometric::PhotometricFiles;
 use super::repair::repair_watched;
 use super::sidecar::{Sidecar, Source};
 use super::space::Space;
 use super::types::{FrameChoice, Scene, SceneSource};
-use super::{builtin, frame, lamp_entry, mtl, names, obj, outdoors, polygons, sides, views};
+use super::wavefront::Wavefront;
+use super::{bare_lights, builtin, frame, lamp_entry, names, outdoors, sides, views};
 use crate::geometry::Aabb;
 use crate::memory;
 use crate::watch::Watch;
-use glam::{DVec2, DVec3};
-use std::collections::HashMap;
+use glam::DVec3;
 use std::io;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
-/// Shares of the time by which the text is scanned, images are decoded, the text is parsed and the polygons are
-/// repaired, about; the rest goes into lamps and views.
-const SCANNED: f64 = 0.35;
-const PICTURED: f64 = 0.45;
-const PARSED: f64 = 0.8;
+/// Shares of the time by which the file is read and the polygons are repaired, about; the rest goes into lamps and
+/// views.
+const READ: f64 = 0.8;
 const REPAIRED: f64 = 0.95;
 
 /// Bytes that reading takes for each of the file. Measured: 320 MB for a kitchen of 35 MB.
 const BYTES_READING: f64 = 10.0;
 
-/// Where a scene's texts come from.
+/// Where a scene comes from.
 struct Input<'a> {
-    name: &'a str,
     source: SceneSource,
     /// What was asked for over the sidecar.
     choice: FrameChoice,
-    /// Name of the OBJ in messages.
-    obj_file: String,
-    obj: &'a str,
+    model: Given<'a>,
+    importer: &'a dyn Importer,
     sidecar: Option<(String, String)>,
-    /// Where material libraries and images are.
-    files: Files<'a>,
 }
 
-/// Reads a scene: an OBJ file with the MTL, images and sidecar (`NAME.toml`) beside it, or an
-/// embedded scene.
+/// Reads a scene: a model file (OBJ with its MTL, glTF or GLB, PLY) with the images and the sidecar (`NAME.toml`) beside
+/// it, or an embedded scene.
 ///
 /// What can be repaired is, and is told in [`Scene::findings`]; the rest is an error that names file
 /// and line.
@@ -75,21 +67,20 @@ pub fn load_watched(source: &SceneSource, watch: &mut Watch<'_>) -> Result<Scene
 
 /// Makes a scene of texts in memory. Every `mtllib` means `mtl`; images are not found.
 pub fn from_text(name: &str, obj: &str, mtl: &str, sidecar_toml: Option<&str>) -> Result<Scene, SceneError> {
+    let file = format!("{name}.obj");
     let input = Input {
-        name,
         source: SceneSource::Builtin(name.to_owned()),
         choice: FrameChoice::default(),
-        obj_file: format!("{name}.obj"),
-        obj,
+        model: Given { name, file: &file, bytes: obj.as_bytes(), files: Files::Library(mtl) },
+        importer: &Wavefront,
         sidecar: sidecar_toml.map(|text| (format!("{name}.toml"), text.to_owned())),
-        files: Files::Library(mtl),
     };
     Watch::nobody(|watch| build(input, watch))
 }
 
-/// The sidecar that belongs to an OBJ file: `NAME.toml` beside it.
-pub fn sidecar_path(obj: &Path) -> PathBuf {
-    obj.with_extension("toml")
+/// The sidecar that belongs to a model file: `NAME.toml` beside it.
+pub fn sidecar_path(model: &Path) -> PathBuf {
+    model.with_extension("toml")
 }
 
 fn load_file(path: &Path, choice: FrameChoice, watch: &mut Watch<'_>) -> Result<Scene, SceneError> {
@@ -97,8 +88,8 @@ fn load_file(path: &Path, choice: FrameChoice, watch: &mut Watch<'_>) -> Result<
     memory::check(BYTES_READING * size as f64)
         .map_err(|shortage| SceneError::Memory { path: path.to_owned(), shortage })?;
     let mut bytes = read_complete(path).map_err(|error| SceneError::reading(path, &error))?;
-    // A line that ends nowhere may be one that another program is writing, at its leisure.
-    while !bytes.ends_with(b"\n") && rests_soon(path, watch)? {
+    // What seems to end too soon may be what another program is writing, at its leisure.
+    while !model::importer(path, &bytes).is_whole(&bytes) && rests_soon(path, watch)? {
         bytes = read_complete(path).map_err(|error| SceneError::reading(path, &error))?;
     }
     let sidecar_path = sidecar_path(path);
@@ -110,14 +101,13 @@ fn load_file(path: &Path, choice: FrameChoice, watch: &mut Watch<'_>) -> Result<
     let folder = path.parent().unwrap_or(Path::new(""));
     let cancelled = watch.cancelled();
     let name = path.file_stem().map_or_else(|| "scene".into(), |stem| stem.to_string_lossy());
+    let file = display(path);
     let input = Input {
-        name: &name,
         source: SceneSource::File(path.to_owned()).framed(choice),
         choice,
-        obj_file: display(path),
-        obj: &crate::encoding::decode(&bytes),
+        model: Given { name: &name, file: &file, bytes: &bytes, files: Files::Folder { folder, cancelled } },
+        importer: model::importer(path, &bytes),
         sidecar,
-        files: Files::Folder { folder, cancelled },
     };
     build(input, watch)
 }
@@ -148,41 +138,44 @@ fn display(path: &Path) -> String {
 fn build(input: Input<'_>, watch: &mut Watch<'_>) -> Result<Scene, SceneError> {
     let sidecar_source = input.sidecar.as_ref().map(|(file, text)| Source { file, text });
     let sidecar = sidecar_source.map(|source| source.parse()).transpose()?;
-    let scan = obj::scan(&input.obj_file, input.name, input.obj, &mut watch.part(0.0, SCANNED))?;
-    let (mut materials, textures) = mtl::read(&scan, input.name, &input.obj_file, input.files)?;
-    watch.done(PICTURED)?;
-    let mut findings = scan.findings.clone();
-    findings.append(&mut materials.findings);
-    let mut obj = polygons::parse(&input.obj_file, scan, &mut watch.part(PICTURED, PARSED))?;
-    assign_materials(&mut obj, &materials);
-    findings.extend(images_without_coordinates(&obj, &materials));
+    let Given { name, file, files, .. } = input.model;
+    let Model {
+        polygons,
+        mut materials,
+        textures,
+        lights,
+        views: cameras,
+        frame: own,
+        files: named,
+        mut findings,
+    } = input.importer.read(input.model, &mut watch.part(0.0, READ))?;
 
     let stated = FrameChoice {
-        unit: input.choice.unit.or(sidecar.as_ref().and_then(Sidecar::unit)),
-        up: input.choice.up.or(sidecar.as_ref().and_then(Sidecar::up)),
+        unit: input.choice.unit.or(sidecar.as_ref().and_then(Sidecar::unit)).or(own.unit),
+        up: input.choice.up.or(sidecar.as_ref().and_then(Sidecar::up)).or(own.up),
     };
     let (unit, up) = (stated.unit.unwrap_or_default(), stated.up.unwrap_or_default());
-    let mut positions: Vec<DVec3> = obj.positions.iter().map(|p| *p * unit.metres()).collect();
+    let mut positions: Vec<DVec3> = polygons.positions.iter().map(|p| *p * unit.metres()).collect();
     if Aabb::around(positions.iter().copied()).diagonal() <= 0.0 {
         let message = "all corners lie in one point, so the model has no size";
-        return Err(SceneError::file(&input.obj_file, message));
+        return Err(SceneError::file(file, message));
     }
     let emits: Vec<bool> = materials.exitance.iter().map(|e| e.iter().any(|e| *e > 0.0)).collect();
-    let origin = origin(&obj, &positions, &emits);
+    let origin = origin(&polygons, &positions, &emits);
     positions.iter_mut().for_each(|p| *p -= origin);
-    let mut repaired = repair_watched(&obj, &positions, &emits, &mut watch.part(PARSED, REPAIRED))?;
+    let mut repaired = repair_watched(&polygons, &positions, &emits, &mut watch.part(READ, REPAIRED))?;
     findings.append(&mut repaired.findings);
     let mut surfaces = repaired.surfaces;
     if surfaces.is_empty() {
-        return Err(SceneError::NoArea { file: input.obj_file, faces: obj.faces.len() });
+        return Err(SceneError::NoArea { file: file.to_owned(), faces: polygons.faces.len() });
     }
     if let (Some(sidecar), Some(source)) = (&sidecar, sidecar_source) {
         sidecar.apply_materials(&mut materials.list, source, &mut findings)?;
     }
     let parts = Parts {
         positions: &positions,
-        objects: &obj.objects,
-        given_objects: &obj.given_objects,
+        objects: &polygons.objects,
+        given_objects: &polygons.given_objects,
         materials: &materials.list,
         exitance: &materials.exitance,
         partners: &sides::partners(&positions, &surfaces),
@@ -190,52 +183,64 @@ fn build(input: Input<'_>, watch: &mut Watch<'_>) -> Result<Scene, SceneError> {
     };
     let mut normals = repaired.normals;
     let entries = sidecar.as_ref().zip(sidecar_source);
-    let mut photometric = PhotometricFiles::new(input.files);
+    let mut photometric = PhotometricFiles::new(files);
     let luminaires = gather(&parts, &mut surfaces, &mut normals, entries, &mut photometric, &mut findings)?;
 
     watch.done(REPAIRED)?;
-    let placed = match (&sidecar, sidecar_source) {
+    let mut placed = match (&sidecar, sidecar_source) {
         (Some(sidecar), Some(source)) => {
-            lamp_entry::read(&sidecar.lamps, (unit, up, origin), &luminaires, source, &mut photometric)?
+            let entries = sidecar.lamps.as_deref().unwrap_or_default();
+            lamp_entry::read(entries, (unit, up, origin), &luminaires, source, &mut photometric)?
         }
         _ => Vec::new(),
     };
+    // Lamps that somebody has kept are those of the file as he wants them.
+    let keeps_lamps = sidecar.as_ref().is_some_and(|sidecar| sidecar.lamps.is_some());
+    if !keeps_lamps {
+        placed = bare_lights::lamps(&lights, &luminaires, (unit, origin), &mut findings);
+    }
     findings.extend(photometric.findings());
 
-    let bookmarks = match (&sidecar, sidecar_source) {
+    let mut bookmarks = match (&sidecar, sidecar_source) {
         (Some(sidecar), Some(source)) => sidecar.views(source, unit, origin)?,
         _ => Vec::new(),
     };
+    if bookmarks.is_empty() {
+        bookmarks = views::of_cameras(&cameras, unit, origin);
+    }
+    let mut read_from = photometric.paths();
+    read_from.extend(named);
     let mut scene = Scene {
-        name: input.name.to_owned(),
+        name: name.to_owned(),
         source: input.source,
         unit,
         up,
         origin,
         positions,
         normals,
-        uvs: obj.uvs,
+        uvs: polygons.uvs,
         surfaces,
-        objects: obj.objects,
-        given_objects: obj.given_objects,
+        objects: polygons.objects,
+        given_objects: polygons.given_objects,
         materials: materials.list,
-        textures: textures.list,
+        textures,
         luminaires,
         outdoors: None,
         placed: Vec::new(),
         views: bookmarks,
         start_view: 0,
         patch_size: sidecar.as_ref().and_then(|s| s.patch_size.as_ref()).map(|size| *size.get_ref()),
-        photometric_files: photometric.paths(),
+        has_lights: !lights.is_empty(),
+        read_from,
         findings,
     };
     if let (Some(sidecar), Some(source)) = (&sidecar, sidecar_source)
         && let Some(choice) = &sidecar.daylight
     {
-        let asked = outdoors::read(choice, input.files, source)?;
+        let asked = outdoors::read(choice, files, source)?;
         scene.set_outdoors(asked);
     }
-    judge(&mut scene, stated);
+    judge(&mut scene, stated, sidecar.is_none());
     scene.place(placed);
     if let (Some(sidecar), Some(source)) = (&sidecar, sidecar_source)
         && let Some(start) = sidecar.start(&scene.views, source)?
@@ -245,60 +250,25 @@ fn build(input: Input<'_>, watch: &mut Watch<'_>) -> Result<Scene, SceneError> {
     Ok(scene)
 }
 
-/// Turns the numbers that materials have in the scan into those that they have in the list, and lays images
-/// as their materials say.
-fn assign_materials(obj: &mut Obj, materials: &Materials) {
-    let mut laid: HashMap<(u32, u32), u32> = HashMap::new();
-    for face in &mut obj.faces {
-        face.material = materials.of_scan.get(face.material as usize).copied().unwrap_or(0);
-        let placement = materials.placements.get(face.material as usize).copied().unwrap_or_default();
-        if placement == Default::default() {
-            continue;
-        }
-        for uv in face.corners.iter_mut().filter_map(|(_, _, uv)| uv.as_mut()) {
-            *uv = *laid.entry((*uv, face.material)).or_insert_with(|| {
-                let given = obj.uvs.get(*uv as usize).copied().unwrap_or(DVec2::ZERO);
-                obj.uvs.push(placement.apply(given));
-                obj.uvs.len() as u32 - 1
-            });
-        }
-    }
-}
-
-/// Faces with an image and no texture coordinates: nothing says which part of it they show.
-fn images_without_coordinates(obj: &Obj, materials: &Materials) -> Option<Finding> {
-    let has_image = |material: u32| materials.list[material as usize].texture.is_some();
-    let bare = |face: &&Face| face.corners.iter().any(|(_, _, uv)| uv.is_none());
-    let faces: Vec<&Face> = obj.faces.iter().filter(|f| has_image(f.material)).filter(bare).collect();
-    let first = faces.first()?;
-    let names = names::list(faces.iter().map(|face| materials.list[face.material as usize].name.as_str()));
-    let message = format!(
-        "faces with an image have no texture coordinates ({}, first in line {}, of {names})",
-        faces.len(),
-        first.line
-    );
-    let finding = Finding::new(FindingKind::Material, Severity::Warning, message);
-    Some(finding.counted(faces.len()).with("the mean of the image counts there"))
-}
-
 /// Where positions are to count from: near the part that is looked at, where that is far away.
-fn origin(obj: &Obj, positions: &[DVec3], emits: &[bool]) -> DVec3 {
+fn origin(polygons: &Polygons, positions: &[DVec3], emits: &[bool]) -> DVec3 {
     let footprint = |face: &Face| {
         let outline: Vec<DVec3> = face.corners.iter().map(|c| positions[c.0 as usize]).collect();
         Footprint::of(&outline, emits.get(face.material as usize).copied().unwrap_or(false))
     };
-    Extent::of(&obj.faces.iter().map(footprint).collect::<Vec<_>>()).origin()
+    Extent::of(&polygons.faces.iter().map(footprint).collect::<Vec<_>>()).origin()
 }
 
 /// Says what is doubtful about where and how large the model is, and makes up views where it has none.
-fn judge(scene: &mut Scene, stated: FrameChoice) {
+fn judge(scene: &mut Scene, stated: FrameChoice, may_be_turned: bool) {
     let extent = scene.extent();
     let mut findings = Vec::new();
     extent::report(scene, &extent, &mut findings);
     let is_known = stated.unit.is_some() && stated.up.is_some() && !frame::is_absurd(&extent);
     if scene.views.is_empty() || !is_known {
         let space = Space::of(scene, &extent);
-        let judgement = frame::judge(scene, &extent, &space, stated);
+        let judgement = frame::judge(scene, &extent, &space, stated, may_be_turned);
+        scene.up = judgement.up;
         findings.extend(judgement.findings);
         if scene.views.is_empty() {
             (scene.views, scene.start_view) = views::default_views(scene, &space, judgement.scale);

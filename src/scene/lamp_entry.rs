@@ -7,6 +7,7 @@ use super::photometric::{Attitude, PhotometricFiles};
 use super::placed::{LampColour, LampKind, LampPhotometry, PlacedLamp, SINGLE};
 use super::sidecar::Source;
 use super::types::{LengthUnit, Luminaire, Scene, UpAxis};
+use crate::photometry::MadeKind;
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
 use std::collections::HashSet;
@@ -42,6 +43,8 @@ pub(super) struct LampEntry {
     spacing: Option<[f64; 2]>,
     #[serde(skip_serializing_if = "Option::is_none")]
     size: Option<[f64; 2]>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    cone: Option<[f64; 2]>,
     #[serde(skip_serializing_if = "Option::is_none")]
     lumens: Option<f64>,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -81,6 +84,7 @@ impl LampEntry {
             spacing: is_array.then(|| lamp.spacing.map(|step| tidied(step * units))),
             size: file.is_none().then(|| lamp.size.map(|edge| tidied(edge * units))),
             photometry: file,
+            cone: lamp.cone.map(|cone| cone.map(tidied)),
             lumens: is_own.then_some(lamp.lumens),
             colour,
             cct,
@@ -105,6 +109,16 @@ impl LampEntry {
             fault.map_or(Ok(LampPhotometry { file, photometry, turn, tilt }), Err)
         };
         let made = self.kind.and_then(LampKind::made);
+        if let Some([inner, outer]) = self.cone {
+            if self.kind != Some(LampKind::Spot) {
+                return Err("has a cone, which only lamps of kind = \"spot\" have".to_owned());
+            }
+            if !(0.0 <= inner && inner < outer && outer <= 180.0) {
+                let fault =
+                    "must have a cone of two rising angles of 0 to 180 degrees, as in cone = [20, 40]";
+                return Err(fault.to_owned());
+            }
+        }
         match (&self.photometry, made) {
             (Some(_), _) if self.kind.is_some() => Err("has both kind and photometry; give one".to_owned()),
             (Some(_), _) if self.size.is_some() => {
@@ -117,7 +131,11 @@ impl LampEntry {
             }
             (None, Some(made)) => {
                 let size = given.unwrap_or(made.usual_size());
-                let photometry = made.photometry(size).map_err(|invalid| invalid.to_string())?;
+                let photometry = match self.cone {
+                    Some(cone) => MadeKind::cone(cone, size),
+                    None => made.photometry(size),
+                };
+                let photometry = photometry.map_err(|invalid| invalid.to_string())?;
                 Ok((Some(turned(None, Arc::new(photometry))?), size))
             }
             (None, None) if self.turn.is_some() || self.tilt.is_some() => {
@@ -192,6 +210,7 @@ impl LampEntry {
         let mut lamp = PlacedLamp {
             name: self.name.get_ref().clone(),
             kind: self.kind.unwrap_or_default(),
+            cone: self.cone,
             position,
             aim,
             size,

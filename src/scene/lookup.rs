@@ -44,8 +44,9 @@ impl<'a> Files<'a> {
         }
     }
 
-    /// A photometric file beside the OBJ file: as named, with `\` for `/`, by its last part; then so in any case.
-    pub(super) fn photometry(&self, name: &str) -> io::Result<Found> {
+    /// Any file that a model or its sidecar names, beside the model: as named, with `\` for `/`, by its last part; then so
+    /// in any case.
+    pub(super) fn companion(&self, name: &str) -> io::Result<Found> {
         match self {
             Self::Folder { .. } => self.library(name),
             Self::Library(_) => Err(io::ErrorKind::NotFound.into()),

@@ -1,9 +1,9 @@
 //! What a model holds: surfaces, materials, luminaires and views, in metres.
 //!
-//! Everything downstream reads a [`Scene`]; [`load`] makes one from an OBJ file with its MTL and
-//! sidecar, or from an embedded scene by name.
+//! Everything downstream reads a [`Scene`]; [`load`] makes one from a model file (OBJ with its MTL, glTF or GLB, PLY) and
+//! its sidecar, or from an embedded scene by name.
 //!
-//! The sidecar is a TOML file of the OBJ's name beside it. Every key may be left out, and an unknown
+//! The sidecar is a TOML file of the model's name beside it. Every key may be left out, and an unknown
 //! one is an error:
 //!
 //! ```toml
@@ -15,14 +15,17 @@
 //! each object and material.
 
 mod add_lamps;
+mod bare_lights;
 pub mod builtin;
 mod colour;
+mod corner_colours;
 mod doctor;
 mod error;
 mod extent;
 mod finding;
 mod frame;
 mod glass;
+mod gltf;
 mod import;
 mod lamp_entry;
 mod library;
@@ -30,6 +33,7 @@ mod lookup;
 mod luminaires;
 mod map;
 mod mend;
+mod model;
 mod mtl;
 mod names;
 mod obj;
@@ -37,6 +41,7 @@ mod outdoors;
 mod outlines;
 mod photometric;
 mod placed;
+mod ply;
 mod polygons;
 mod repair;
 mod selection;
@@ -52,6 +57,7 @@ mod translucent;
 mod types;
 mod up_axis;
 mod views;
+mod wavefront;
 
 pub use add_lamps::{USUAL_WORK_PLANE, WorkPlane, ceiling_lamps, work_planes};
 pub use colour::black_body;
@@ -61,7 +67,8 @@ pub use extent::Extent;
 pub use finding::{Finding, FindingKind, MOST_PLACES, Places, Severity};
 pub use import::{from_text, load, load_watched, sidecar_path};
 pub use luminaires::lumens;
-pub use mend::{Mended, mend};
+pub use mend::{CopiedImage, Mended, mend};
+pub use model::{MODEL_ENDINGS, is_model_file};
 pub use names::nearest as nearest_names;
 pub(crate) use names::{grouped, list as name_list};
 pub use outdoors::{DaylightChoice, OutdoorSwitch, Outdoors, SKY, SUN};

@@ -16,7 +16,7 @@ use std::f64::consts::PI;
 use std::fmt;
 
 /// Reflectance where a file says nothing: a middling grey.
-const DEFAULT_REFLECTANCE: f64 = 0.5;
+pub(super) const DEFAULT_REFLECTANCE: f64 = 0.5;
 
 /// Materials with what the MTL says of their own light.
 #[derive(Debug, Default)]
@@ -92,6 +92,9 @@ pub(super) fn read(
     }
     for name in undefined {
         if name == NO_MATERIAL {
+            if scan.plain == 0 {
+                continue;
+            }
             let message = "faces without a material were taken as grey 0.5";
             materials.findings.push(Finding::new(FindingKind::Material, Severity::Warning, message));
         } else if opened.missing.is_empty() {

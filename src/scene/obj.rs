@@ -3,54 +3,25 @@
 //!
 //! The scan writes a clean text for `tobj`: continuation lines joined, comments cut, faces with
 //! fewer than three corners and all lines but `v`, `vt`, `vn`, `f` left out, and `o N` and `usemtl N`
-//! with numbers of entries in [`Obj::objects`] and [`Scan::materials`] before the faces that belong to
+//! with numbers of entries in [`Polygons::objects`](super::model::Polygons::objects) and [`Scan::materials`] before the faces that belong to
 //! them.
 
+use super::corner_colours::{FaceColours, say_something};
 use super::error::SceneError;
 use super::finding::{Finding, FindingKind, MOST_PLACES, Places, Severity, line_list};
+use super::model::{LARGEST_COORDINATE, LARGEST_UV};
 use super::names;
 use super::text::{keyword, logical_lines, number, words};
+use super::textures::srgb_to_linear;
 use crate::watch::Watch;
-use glam::{DVec2, DVec3};
 use std::collections::HashMap;
 use std::fmt::Write as _;
 
 /// Name of the material of faces that name none.
 pub(super) const NO_MATERIAL: &str = "default";
 
-/// No building comes near this, and squares of such lengths stay well within range.
-const LARGEST_COORDINATE: f64 = 1e12;
-/// No image is repeated more often across a surface.
-const LARGEST_UV: f64 = 1e9;
-
 /// Lines scanned between two looks at whether to go on.
 const WATCHED_LINES: usize = 1024;
-
-/// The polygons of a file, in its own unit and in its order.
-#[derive(Clone, Debug, Default)]
-pub(super) struct Obj {
-    /// Distinct positions: corners at one place share an index.
-    pub(super) positions: Vec<DVec3>,
-    /// Distinct normals, as given.
-    pub(super) normals: Vec<DVec3>,
-    pub(super) uvs: Vec<DVec2>,
-    pub(super) faces: Vec<Face>,
-    /// Names that are shown and that differ from one another.
-    pub(super) objects: Vec<String>,
-    /// Names as the file gives them: each `o` statement begins an object of its own, whatever its name.
-    pub(super) given_objects: Vec<String>,
-}
-
-/// A polygon as the file gives it.
-#[derive(Clone, Debug)]
-pub(super) struct Face {
-    /// Indices of position, normal and texture coordinates; the latter on all corners or on none.
-    pub(super) corners: Vec<(u32, Option<u32>, Option<u32>)>,
-    pub(super) object: u32,
-    pub(super) material: u32,
-    /// Line of the file, from one.
-    pub(super) line: u32,
-}
 
 /// What the scan of the text found.
 #[derive(Debug, Default)]
@@ -63,8 +34,12 @@ pub(super) struct Scan {
     pub(super) objects: Vec<String>,
     /// Material libraries with their lines.
     pub(super) libraries: Vec<(String, usize)>,
-    /// Materials that faces use, each once, in order; [`Face::material`] points here.
+    /// Materials that faces use, each once, in order; [`Face::material`](super::model::Face::material) points here.
     pub(super) materials: Vec<String>,
+    /// Faces without a material whose corners have colours: the number of each, and those colours, linear.
+    pub(super) coloured: Vec<FaceColours>,
+    /// Faces that have neither.
+    pub(super) plain: usize,
     pub(super) findings: Vec<Finding>,
 }
 
@@ -118,8 +93,9 @@ struct Scanner<'a> {
     /// Which of the texture coordinates can be used.
     usable_uvs: Vec<bool>,
     unread: Vec<String>,
-    /// Corners with a colour.
+    /// Corners with a colour, and the colour of each corner once there is one, linear.
     coloured: usize,
+    colours: Vec<Option<[f32; 3]>>,
 }
 
 impl Scanner<'_> {
@@ -225,17 +201,23 @@ impl Scanner<'_> {
                     .at(Places { lines: lines_shown, ..Places::default() }),
             );
         }
-        if self.coloured > 0 {
-            // Without materials the colours may be all that the file says of its surfaces.
-            let severity = match self.scan.materials.iter().all(|name| name == NO_MATERIAL) {
-                true => Severity::Warning,
-                false => Severity::Note,
-            };
+        if !say_something(&self.scan.coloured) {
+            self.scan.plain += std::mem::take(&mut self.scan.coloured).len();
+        }
+        if !self.scan.coloured.is_empty() {
             let message = format!(
-                "colours of corners are not read ({}); materials alone say what reflects",
+                "faces without a material reflect by the colours of their corners, taken as sRGB ({})",
+                names::grouped(self.scan.coloured.len() as i64)
+            );
+            let finding = Finding::new(FindingKind::Material, Severity::Note, message);
+            self.scan.findings.push(finding.counted(self.scan.coloured.len()));
+        }
+        if self.coloured > 0 && self.scan.materials.iter().any(|name| name != NO_MATERIAL) {
+            let message = format!(
+                "colours of corners are not read where faces have a material, which says what reflects ({} in the file)",
                 names::grouped(self.coloured as i64)
             );
-            let finding = Finding::new(FindingKind::Material, severity, message);
+            let finding = Finding::new(FindingKind::Material, Severity::Note, message);
             self.scan.findings.push(finding.counted(self.coloured));
         }
         if !self.unread.is_empty() {
@@ -262,7 +244,15 @@ impl Scanner<'_> {
         if let Some(large) = values.iter().find(|v| v.abs() > LARGEST_COORDINATE) {
             return Err(fail(format!("the coordinate {large:e} is larger than any building")));
         }
-        self.coloured += usize::from(words.count() >= 3);
+        let colour =
+            numbers::<3>(&mut words).ok().filter(|(_, count)| *count == 3).map(|(code, _)| linear(code));
+        if colour.is_some() && self.coloured == 0 {
+            self.colours.resize(self.positions, None);
+        }
+        self.coloured += usize::from(colour.is_some());
+        if self.coloured > 0 {
+            self.colours.push(colour);
+        }
         self.positions += 1;
         self.write("v", values);
         Ok(())
@@ -316,6 +306,9 @@ impl Scanner<'_> {
         let is_usable = |uv: usize| self.usable_uvs.get(uv).is_some_and(|usable| *usable);
         let has_uvs = corners.iter().all(|c| c[1].is_some_and(is_usable));
         let has_normals = corners.iter().all(|c| c[2].is_some());
+        if self.current_material.is_none() {
+            self.note_colours(&corners);
+        }
         self.scan.marks.push(Mark { line: line as u32, corners: corners.len() as u32, has_uvs, has_normals });
         self.scan.clean.push('f');
         for [position, uv, normal] in corners {
@@ -329,6 +322,15 @@ impl Scanner<'_> {
         }
         self.scan.clean.push('\n');
         Ok(())
+    }
+
+    /// Keeps the colours of a face without a material where all of its corners have one.
+    fn note_colours(&mut self, corners: &[[Option<usize>; 3]]) {
+        let colour = |corner: &[Option<usize>; 3]| *self.colours.get(corner[0]?)?;
+        match corners.iter().map(colour).collect() {
+            Some(colours) => self.scan.coloured.push((self.scan.marks.len(), colours)),
+            None => self.scan.plain += 1,
+        }
     }
 
     /// Indices from zero of `v`, `v/vt`, `v//vn` or `v/vt/vn`. Those of texture coordinates and normals
@@ -407,6 +409,14 @@ impl Scanner<'_> {
     }
 }
 
+/// A colour of codes from 0 to 1, or from 0 to 255 as some programs write them, in linear light; white where it is no
+/// number.
+fn linear(code: [f64; 3]) -> [f32; 3] {
+    let top = if code.iter().any(|value| *value > 1.0) { 255.0 } else { 1.0 };
+    let of = |value: f64| if value.is_finite() { srgb_to_linear((value / top).clamp(0.0, 1.0)) } else { 1.0 };
+    code.map(|value| of(value) as f32)
+}
+
 /// At most `N` numbers of a line, and how many there are.
 fn numbers<'a, const N: usize>(
     words: &mut impl Iterator<Item = &'a str>,
@@ -422,14 +432,16 @@ fn numbers<'a, const N: usize>(
 
 #[cfg(test)]
 mod tests {
+    use super::super::model::Polygons;
     use super::super::polygons;
     use super::*;
+    use glam::{DVec2, DVec3};
 
     fn scanned(text: &str) -> Result<Scan, SceneError> {
         Watch::nobody(|watch| scan("t.obj", "t", text, watch))
     }
 
-    fn read(text: &str) -> Result<(Obj, Vec<String>), SceneError> {
+    fn read(text: &str) -> Result<(Polygons, Vec<String>), SceneError> {
         let scan = scanned(text)?;
         let names = scan.materials.clone();
         Watch::nobody(|watch| polygons::parse("t.obj", scan, watch)).map(|obj| (obj, names))
@@ -530,16 +542,27 @@ mod tests {
     }
 
     #[test]
-    fn colours_of_corners_are_named() {
-        let coloured = "v 0 0 0 1 0 0\nv 1 0 0 0 1 0\nv 1 1 0 1.0\nf 1 2 3\n";
-        let level = |text: &str| {
+    fn colours_of_corners_count_where_a_face_has_no_material() {
+        let coloured = "v 0 0 0\nv 0 0 0 1 0 0.5\nv 1 0 0 0 1 0\nv 1 1 0 255 0 51\nf 2 3 4\nf 1 2 3\n";
+        let told =
+            |scan: &Scan| scan.findings.iter().map(|f| f.message.clone()).collect::<Vec<_>>().join("; ");
+        let scan = scanned(coloured).unwrap();
+        assert_eq!((scan.coloured.len(), scan.coloured[0].0, scan.plain), (1, 0, 1));
+        let middle = srgb_to_linear(0.5) as f32;
+        let [a, b, c] = [[1.0, 0.0, middle], [0.0, 1.0, 0.0], [1.0, 0.0, srgb_to_linear(0.2) as f32]];
+        assert_eq!(scan.coloured[0].1, [a, b, c]);
+        assert!(
+            told(&scan).contains("by the colours of their corners, taken as sRGB (1)"),
+            "{}",
+            told(&scan)
+        );
+        let scan = scanned(&format!("usemtl a\n{coloured}")).unwrap();
+        assert!(scan.coloured.is_empty() && told(&scan).contains("not read where faces have a material"));
+        // A weight is no colour, and white says nothing.
+        for text in ["v 0 0 0 1\nv 1 0 0 1 # red\nv 0 1 0\nf 1 2 3\n", "v 0 0 0 1 1 1\nf 1 1 1\n"] {
             let scan = scanned(text).unwrap();
-            let found = scan.findings.iter().find(|f| f.message.contains("colours of corners"));
-            found.map(|f| (f.severity, f.count))
-        };
-        assert_eq!(level(coloured), Some((Severity::Warning, 2)));
-        assert_eq!(level(&format!("usemtl a\n{coloured}")), Some((Severity::Note, 2)));
-        assert_eq!(level("v 0 0 0 1\nv 1 0 0 1 # red\nv 0 1 0\nf 1 2 3\n"), None);
+            assert!(scan.coloured.is_empty() && scan.plain == 1 && told(&scan).is_empty(), "{text}");
+        }
     }
 
     #[test]

@@ -378,7 +378,7 @@ pub(super) fn read(
         None => None,
         Some(name) => {
             let shown = names::short(name);
-            let found = files.photometry(name).map_err(|error| {
+            let found = files.companion(name).map_err(|error| {
                 fail(format!("the daylight asks for the weather file '{shown}', but {}", reason(&error)))
             })?;
             let read = WeatherFile::read(&shown, &found.bytes);
@@ -481,7 +481,7 @@ impl Scene {
                     SceneSource::Builtin(_) => None,
                 };
                 let files = Files::beside(folder.unwrap_or(Path::new(".")));
-                let found = files.photometry(name).map_err(|error| missing(reason(&error)))?;
+                let found = files.companion(name).map_err(|error| missing(reason(&error)))?;
                 let read = WeatherFile::read(&shown, &found.bytes);
                 Some(Arc::new(read.map_err(|error| missing(error.to_string()))?))
             }

@@ -192,7 +192,7 @@ impl<'a> PhotometricFiles<'a> {
         let shown = names::short(name);
         let found = self
             .files
-            .photometry(name)
+            .companion(name)
             .map_err(|error| format!("asks for the photometric file '{shown}', but {}", reason(&error)))?;
         let read = photometry::read(&shown, &found.bytes)
             .map_err(|error| format!("has a photometric file that cannot be used: {error}"))?;

@@ -36,6 +36,8 @@ pub enum LampKind {
     Pendant,
     /// As [`MadeKind::Spot`].
     Spot,
+    /// As [`MadeKind::Bulb`].
+    Bulb,
     /// As [`MadeKind::WallWasher`].
     WallWasher,
 }
@@ -48,6 +50,7 @@ impl LampKind {
             Self::Downlight => Some(MadeKind::Downlight),
             Self::Pendant => Some(MadeKind::Pendant),
             Self::Spot => Some(MadeKind::Spot),
+            Self::Bulb => Some(MadeKind::Bulb),
             Self::WallWasher => Some(MadeKind::WallWasher),
         }
     }
@@ -113,6 +116,8 @@ pub struct PlacedLamp {
     pub array: [u32; 2],
     /// From row to row and from column (along x) to column, metres.
     pub spacing: [f64; 2],
+    /// Of a spot, where it has a cone of its own: the angles of [`MadeKind::cone`].
+    pub cone: Option<[f64; 2]>,
 }
 
 impl PlacedLamp {

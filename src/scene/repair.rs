@@ -5,7 +5,7 @@ use super::doctor::WELD;
 use super::doctor::topology::weld;
 use super::extent::{Extent, Footprint};
 use super::finding::{Finding, FindingKind, Severity};
-use super::obj::{Face, Obj};
+use super::model::{Face, Polygons};
 use super::outlines::{Indices, in_plane, is_simple, plane, widest_plane, without_repetitions};
 use super::sides::{self, Ring};
 use super::tally::Tally;
@@ -32,21 +32,21 @@ pub(super) struct Repaired {
 }
 
 /// Makes surfaces of faces. `positions` are in metres; `emits` tells which materials emit.
-pub(super) fn repair(obj: &Obj, positions: &[DVec3], emits: &[bool]) -> Repaired {
-    Watch::nobody(|watch| repair_watched(obj, positions, emits, watch)).unwrap_or_default()
+pub(super) fn repair(polygons: &Polygons, positions: &[DVec3], emits: &[bool]) -> Repaired {
+    Watch::nobody(|watch| repair_watched(polygons, positions, emits, watch)).unwrap_or_default()
 }
 
 /// As [`repair`], for somebody who watches and may end it.
 pub(super) fn repair_watched(
-    obj: &Obj,
+    polygons: &Polygons,
     positions: &[DVec3],
     emits: &[bool],
     watch: &mut Watch<'_>,
 ) -> Result<Repaired, Cancelled> {
-    let mut shop = Workshop::new(positions, obj, emits);
-    for (index, face) in obj.faces.iter().enumerate() {
+    let mut shop = Workshop::new(positions, polygons, emits);
+    for (index, face) in polygons.faces.iter().enumerate() {
         if index % WATCHED_FACES == 0 {
-            watch.done(index as f64 / obj.faces.len() as f64)?;
+            watch.done(index as f64 / polygons.faces.len() as f64)?;
         }
         shop.admit(face);
     }
@@ -59,7 +59,7 @@ type Place = [u64; 3];
 
 struct Workshop<'a> {
     positions: &'a [DVec3],
-    obj: &'a Obj,
+    polygons: &'a Polygons,
     surfaces: Vec<Surface>,
     normals: Vec<DVec3>,
     /// Number in `normals` of a normal of the file, and whether it was turned round.
@@ -81,16 +81,16 @@ struct Workshop<'a> {
 }
 
 impl<'a> Workshop<'a> {
-    fn new(positions: &'a [DVec3], obj: &'a Obj, emits: &[bool]) -> Self {
+    fn new(positions: &'a [DVec3], polygons: &'a Polygons, emits: &[bool]) -> Self {
         let footprint = |face: &Face| {
             let outline: Vec<DVec3> = face.corners.iter().map(|c| positions[c.0 as usize]).collect();
             Footprint::of(&outline, emits[face.material as usize])
         };
-        let footprints: Vec<Footprint> = obj.faces.iter().map(footprint).collect();
+        let footprints: Vec<Footprint> = polygons.faces.iter().map(footprint).collect();
         Self {
             positions,
-            obj,
-            surfaces: Vec::with_capacity(obj.faces.len()),
+            polygons,
+            surfaces: Vec::with_capacity(polygons.faces.len()),
             normals: Vec::new(),
             normal_numbers: HashMap::new(),
             tolerance: WELD * Extent::of(&footprints).scale,
@@ -208,7 +208,7 @@ impl<'a> Workshop<'a> {
             luminaire: None,
             emission_weight: [0.0; 3],
             emits_back: false,
-            line: Some(face.line),
+            line: face.line,
         });
     }
 
@@ -216,7 +216,7 @@ impl<'a> Workshop<'a> {
     fn smooth_normals(&mut self, face: &Face, corners: &[Indices], normal: DVec3) -> Vec<Option<u32>> {
         let given: Option<Vec<(u32, DVec3)>> = corners
             .iter()
-            .map(|c| c.1.map(|i| (i, self.obj.normals[i as usize].normalize_or_zero())))
+            .map(|c| c.1.map(|i| (i, self.polygons.normals[i as usize].normalize_or_zero())))
             .collect();
         let Some(given) = given else { return vec![None; corners.len()] };
         if given.iter().any(|(_, n)| *n == DVec3::ZERO) {
@@ -267,7 +267,7 @@ impl<'a> Workshop<'a> {
                 self.share_corners(other, index, &welded);
                 let surface = &self.surfaces[index];
                 let outline = outline_of(self.positions, surface);
-                self.both_sides.add(surface.object, surface.line.unwrap_or(0), outline);
+                self.both_sides.add(surface.object, surface.line, outline);
             }
             if first == index || !coincide(&self.surfaces, first, index) {
                 continue;
@@ -284,7 +284,7 @@ impl<'a> Workshop<'a> {
             }
             let surface = &self.surfaces[dropped];
             let tally = if is_same { &mut self.twice } else { &mut self.contested };
-            tally.add(surface.object, surface.line.unwrap_or(0), outline_of(self.positions, surface));
+            tally.add(surface.object, surface.line, outline_of(self.positions, surface));
         }
         let mut keep = keep.into_iter();
         self.surfaces.retain(|_| keep.next().unwrap_or(true));
@@ -304,7 +304,7 @@ impl<'a> Workshop<'a> {
     fn finish(mut self) -> Repaired {
         use FindingKind::{Degenerate, Duplicate, Material, NonPlanar, Normals, SelfCrossing};
         use Severity::{Note, Warning};
-        let (mut findings, objects) = (Vec::new(), &self.obj.objects);
+        let (mut findings, objects) = (Vec::new(), &self.polygons.objects);
         let normals_note = "light does not ask for them, only the shading of the picture";
         for (tally, kind, what, consequence) in [
             (
@@ -385,7 +385,7 @@ mod tests {
 
     fn faces(positions: &[[f64; 3]], faces: &[(&[u32], u32)]) -> Repaired {
         let positions: Vec<DVec3> = positions.iter().copied().map(DVec3::from).collect();
-        let obj = Obj {
+        let polygons = Polygons {
             positions: positions.clone(),
             faces: faces
                 .iter()
@@ -393,13 +393,13 @@ mod tests {
                     corners: corners.iter().map(|&c| (c, None, None)).collect(),
                     object: 0,
                     material: *material,
-                    line: 1,
+                    line: Some(1),
                 })
                 .collect(),
             objects: vec!["thing".to_owned()],
-            ..Obj::default()
+            ..Polygons::default()
         };
-        repair(&obj, &positions, &[false, true])
+        repair(&polygons, &positions, &[false, true])
     }
 
     fn area(positions: &[[f64; 3]], repaired: &Repaired) -> f64 {
@@ -538,16 +538,16 @@ mod tests {
             corners: (0..3).map(|k| (k as u32, Some(normals[k]), None)).collect(),
             object: 0,
             material: 0,
-            line: 1,
+            line: Some(1),
         };
-        let obj = Obj {
+        let polygons = Polygons {
             positions: positions.clone(),
             normals: smooth.to_vec(),
             faces: vec![face([0, 1, 2]), face([2, 2, 2])],
             objects: vec!["thing".to_owned()],
-            ..Obj::default()
+            ..Polygons::default()
         };
-        let repaired = repair(&obj, &positions, &[false]);
+        let repaired = repair(&polygons, &positions, &[false]);
         let first = repaired.surfaces[0].corners[0].normal.expect("smooth");
         assert!(repaired.normals[first as usize].abs_diff_eq(DVec3::new(-0.1, 0.0, 2.0).normalize(), 1e-12));
         assert!(repaired.findings.iter().any(|f| f.message.contains("oppose") && f.count == 2));

@@ -35,8 +35,9 @@ pub(super) struct Sidecar {
     pub(super) views: Vec<ViewEntry>,
     #[serde(default, rename = "luminaire", skip_serializing_if = "Vec::is_empty")]
     pub(super) luminaires: Vec<Spanned<LuminaireEntry>>,
-    #[serde(default, rename = "lamp", skip_serializing_if = "Vec::is_empty")]
-    pub(super) lamps: Vec<LampEntry>,
+    /// All lamps that are to be placed, if it says so: `lamp = []` keeps away those that come with the model file.
+    #[serde(default, rename = "lamp", skip_serializing_if = "Option::is_none")]
+    pub(super) lamps: Option<Vec<LampEntry>>,
     #[serde(default, rename = "material", skip_serializing_if = "Vec::is_empty")]
     pub(super) materials: Vec<MaterialEntry>,
 }

@@ -89,7 +89,9 @@ pub fn sidecar_text(
     sidecar.daylight = outdoors.map(|outdoors| unplaced(outdoors.switched(lighting)));
     let before = own + if outdoors.is_some() { 2 } else { 0 };
     let placed = scene.placed.iter().zip(lighting.lamps.iter().skip(before));
-    sidecar.lamps = placed.map(|(lamp, state)| LampEntry::of(&lamp.starting_as(state), scene)).collect();
+    let placed: Vec<LampEntry> =
+        placed.map(|(lamp, state)| LampEntry::of(&lamp.starting_as(state), scene)).collect();
+    sidecar.lamps = Some(placed).filter(|placed| !placed.is_empty() || scene.has_lights);
 
     for material in repainted.iter().filter_map(|&index| scene.own_materials().get(index as usize)) {
         let reflectance = Some(material.reflectance);

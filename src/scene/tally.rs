@@ -10,17 +10,20 @@ use std::collections::HashMap;
 pub(super) struct Tally {
     /// Their object numbers.
     objects: Vec<u32>,
-    /// Outlines, as edges, and lines of the file; the first ones.
+    /// Outlines, as edges, and lines of the file where they have some; the first ones.
     places: Places,
+    /// How many there are in `places`.
+    shown: usize,
 }
 
 impl Tally {
-    pub(super) fn add(&mut self, object: u32, line: u32, outline: impl Iterator<Item = DVec3>) {
+    pub(super) fn add(&mut self, object: u32, line: Option<u32>, outline: impl Iterator<Item = DVec3>) {
         self.objects.push(object);
-        if self.places.lines.len() == MOST_PLACES {
+        if self.shown == MOST_PLACES {
             return;
         }
-        self.places.lines.push(line);
+        self.shown += 1;
+        self.places.lines.extend(line);
         let outline: Vec<DVec3> = outline.collect();
         for k in 0..outline.len() {
             self.places.add_edge([outline[k], outline[(k + 1) % outline.len()]]);

@@ -1,7 +1,9 @@
 //! Texts of model files: their lines, words, names and numbers.
 
 use super::names;
+use crate::watch::Watch;
 use std::borrow::Cow;
+use std::io::{self, BufRead, Read};
 use unicode_normalization::UnicodeNormalization;
 
 /// Splits text into logical lines: continuations joined, each with its (first) number from one. A comment
@@ -95,6 +97,43 @@ pub(super) fn folded(name: &str) -> String {
 /// A name in lower case, its accents composed with their letters: some systems write them apart.
 pub(super) fn lowered(name: &str) -> String {
     name.nfc().collect::<String>().to_lowercase()
+}
+
+/// Bytes read between two looks at whether to go on.
+const WATCHED_BYTES: usize = 1 << 16;
+
+/// A file in memory that is watched while it is read.
+pub(super) struct WatchedBytes<'a, 'w> {
+    whole: &'a [u8],
+    read: usize,
+    watch: Watch<'w>,
+}
+
+impl<'a, 'w> WatchedBytes<'a, 'w> {
+    pub(super) fn new(whole: &'a [u8], watch: Watch<'w>) -> Self {
+        Self { whole, read: 0, watch }
+    }
+}
+
+impl BufRead for WatchedBytes<'_, '_> {
+    fn fill_buf(&mut self) -> io::Result<&[u8]> {
+        let left = &self.whole[self.read..];
+        let share = self.read as f64 / self.whole.len().max(1) as f64;
+        self.watch.done(share).map_err(|_| io::Error::other("cancelled"))?;
+        Ok(&left[..left.len().min(WATCHED_BYTES)])
+    }
+
+    fn consume(&mut self, amount: usize) {
+        self.read = (self.read + amount).min(self.whole.len());
+    }
+}
+
+impl Read for WatchedBytes<'_, '_> {
+    fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
+        let count = self.fill_buf()?.read(buffer)?;
+        self.consume(count);
+        Ok(count)
+    }
 }
 
 #[cfg(test)]

@@ -96,7 +96,7 @@ impl Textures {
 }
 
 /// A decoded image: linear values in 0..1, row by row from the top.
-struct Linear {
+pub(super) struct Linear {
     width: u32,
     height: u32,
     pixels: Vec<[f32; 3]>,
@@ -160,6 +160,16 @@ fn linear(path: &Path, files: Files<'_>) -> Result<Linear, String> {
     }
 }
 
+/// An image that stands within a model file, as [`linear`] has those in files of their own; `name` is for messages.
+pub(super) fn embedded(name: &str, bytes: Vec<u8>, files: Files<'_>) -> Result<Linear, String> {
+    let name = PathBuf::from(name);
+    match files.apart(move || decode(&name, &bytes)) {
+        Ok(Some(image)) => image,
+        Ok(None) => Err("it cannot be decoded".to_owned()),
+        Err(Cancelled) => Err("reading was ended".to_owned()),
+    }
+}
+
 /// The formats that are read, by the bytes or, as TGA cannot be told by them, by the ending.
 fn decode(path: &Path, bytes: &[u8]) -> Result<Linear, String> {
     const FORMATS: &str = "PNG, JPEG, TGA, BMP, TIFF, WebP and GIF are read";
@@ -205,7 +215,7 @@ impl Linear {
     }
 
     /// An image of reflectances, capped at [`MAX_REFLECTANCE`] as those of plain materials are.
-    fn texture(mut self, map: &Map) -> Texture {
+    pub(super) fn texture(mut self, map: &Map) -> Texture {
         let [base, gain] = map.range.unwrap_or([0.0, 1.0]);
         for value in self.pixels.iter_mut().flatten() {
             *value = (base + gain * f64::from(*value)).clamp(0.0, MAX_REFLECTANCE) as f32;
@@ -239,18 +249,35 @@ impl Linear {
         }
     }
 
-    fn mean(&self) -> [f64; 3] {
+    /// Whether it says of any pixel that it is not opaque.
+    pub(super) fn has_alpha(&self) -> bool {
+        !self.alpha.is_empty()
+    }
+
+    /// The same with other opacities, 0 to 1, for those that it has.
+    pub(super) fn with_opacities(mut self, of: impl Fn(f32) -> f32) -> Self {
+        self.alpha.iter_mut().for_each(|alpha| *alpha = of(*alpha));
+        self
+    }
+
+    /// The same, opaque everywhere.
+    pub(super) fn opaque(mut self) -> Self {
+        self.alpha = Vec::new();
+        self
+    }
+
+    pub(super) fn mean(&self) -> [f64; 3] {
         mean(&self.pixels, &[])
     }
 }
 
 /// IEC 61966-2-1, the other way.
-fn linear_to_srgb(linear: f64) -> f64 {
+pub(super) fn linear_to_srgb(linear: f64) -> f64 {
     if linear <= 0.003_130_8 { 12.92 * linear } else { 1.055 * linear.powf(1.0 / 2.4) - 0.055 }
 }
 
-/// IEC 61966-2-1.
-fn srgb_to_linear(code: f64) -> f64 {
+/// IEC 61966-2-1: linear light of a code from 0 to 1.
+pub(super) fn srgb_to_linear(code: f64) -> f64 {
     if code <= 0.04045 { code / 12.92 } else { ((code + 0.055) / 1.055).powf(2.4) }
 }
 

@@ -67,8 +67,10 @@ pub struct Scene {
     pub start_view: usize,
     /// Edge of a patch that the sidecar asks for, metres; chosen from the scene's area otherwise.
     pub patch_size: Option<f64>,
-    /// Photometric files that it was read with.
-    pub photometric_files: Vec<PathBuf>,
+    /// Whether the model file has lights without a surface, which are placed lamps where no sidecar holds others.
+    pub has_lights: bool,
+    /// Files that it was read from besides the model file, material libraries and the sidecar.
+    pub read_from: Vec<PathBuf>,
     /// What the reader noticed, repaired or dropped.
     pub findings: Vec<Finding>,
 }
@@ -149,16 +151,16 @@ impl Scene {
 /// Where a scene comes from.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub enum SceneSource {
-    /// An OBJ file.
+    /// A model file.
     File(PathBuf),
-    /// An OBJ file, in another unit or with another axis up than its sidecar says.
+    /// A model file, in another unit or with another axis up than its sidecar says.
     FileAs(PathBuf, FrameChoice),
     /// An embedded scene, by name.
     Builtin(String),
 }
 
 impl SceneSource {
-    /// The OBJ file, where it is one.
+    /// The model file, where it is one.
     pub fn path(&self) -> Option<&Path> {
         match self {
             Self::File(path) | Self::FileAs(path, _) => Some(path),
@@ -234,7 +236,7 @@ pub struct Surface {
     pub emission_weight: [f64; 3],
     /// Whether the back side emits as the front does.
     pub emits_back: bool,
-    /// Line of the OBJ file that it stands in, from one; `None` where it comes from no file.
+    /// Line of the file that it stands in, from one; `None` where it comes from none, or from one without lines.
     pub line: Option<u32>,
 }
 
@@ -267,6 +269,18 @@ pub struct Material {
 }
 
 impl Material {
+    /// An opaque one that reflects all bands alike, 0 to [`MAX_REFLECTANCE`].
+    pub(super) fn plain(name: &str, reflectance: f64) -> Self {
+        Self {
+            name: name.to_owned(),
+            reflectance: [reflectance; 3],
+            texture: None,
+            sides: Sides::Auto,
+            glazing: None,
+            translucence: [0.0; 3],
+        }
+    }
+
     /// Whether light passes it diffusely.
     pub fn is_translucent(&self) -> bool {
         self.translucence != [0.0; 3]

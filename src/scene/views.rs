@@ -1,7 +1,9 @@
 //! Places to stand in a scene that comes without bookmarks.
 
+use super::model::ModelView;
+use super::names;
 use super::space::{Floor, Space};
-use super::types::{Scene, Surface, View};
+use super::types::{LengthUnit, Scene, Surface, View};
 use crate::geometry::{Aabb, Frame, polygon};
 use glam::{DVec2, DVec3};
 use std::collections::HashSet;
@@ -29,6 +31,24 @@ const LARGE: f64 = 20.0;
 const EYES: f64 = 1.6;
 /// Room that an adult stands in, metres.
 const STANDING: f64 = 1.9;
+
+/// How far ahead of a camera the point is that its view looks at, metres.
+const AHEAD: f64 = 2.0;
+/// Vertical fields of view that a view can have, degrees.
+const FIELDS: [f64; 2] = [5.0, 150.0];
+
+/// The views of cameras that come with a model file, in metres from where the scene counts from.
+pub(super) fn of_cameras(cameras: &[ModelView], unit: LengthUnit, origin: DVec3) -> Vec<View> {
+    let mut taken = HashSet::new();
+    let mut view = |camera: &ModelView| {
+        let eye = camera.eye * unit.metres() - origin;
+        let [least, most] = FIELDS;
+        let fov_y_deg = if camera.fov_y_deg.is_finite() { camera.fov_y_deg.clamp(least, most) } else { 60.0 };
+        let name = names::unique(&camera.name, &mut taken);
+        eye.is_finite().then(|| View { name, eye, target: eye + AHEAD * camera.forward, fov_y_deg })
+    };
+    cameras.iter().filter_map(&mut view).collect()
+}
 
 /// Triangles of all surfaces, each with the index of its surface.
 pub(super) fn triangles(positions: &[DVec3], surfaces: &[Surface]) -> (Vec<[DVec3; 3]>, Vec<u32>) {

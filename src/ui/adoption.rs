@@ -37,7 +37,7 @@ impl App {
         if self.goes_on_as(&scene) {
             return;
         }
-        self.files.watch(Some(&scene.source), &scene.photometric_files);
+        self.files.watch(Some(&scene.source), &scene.read_from);
         (self.saved, self.saving) = (Work::of_file(&scene), None);
         if let Some(path) = scene.source.path() {
             self.state.remember(path);

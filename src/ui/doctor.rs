@@ -135,7 +135,9 @@ impl Doctor {
 pub(super) fn frame_banner(model: &Model<'_>) -> Option<Banner> {
     let scene = model.scene.filter(|scene| scene.source.path().is_some())?;
     let mut doubts = scene.findings.iter().filter(|finding| finding.severity >= Severity::Warning);
-    let (unit, up) = doubts.find_map(|finding| finding.remedy)?;
+    let Some((unit, up)) = doubts.find_map(|finding| finding.remedy) else {
+        return turned_banner(scene);
+    };
     let mut seems = Vec::new();
     if up != scene.up {
         seems.push("to lie on its side".to_owned());
@@ -148,6 +150,21 @@ pub(super) fn frame_banner(model: &Model<'_>) -> Option<Banner> {
         is_warning: true,
         text: format!("This model seems {}. The doctor (K) says why.", seems.join(", and ")),
         actions: vec![(format!("Set {}", frame_name(unit, up)), Command::SetFrame(unit, up))],
+    })
+}
+
+/// That z was taken for up, with buttons for either answer.
+fn turned_banner(scene: &Scene) -> Option<Banner> {
+    let told = scene.findings.iter().find(|finding| finding.kind == FindingKind::UpAxis)?;
+    let (unit, up) = told.remedy.filter(|(_, up)| *up != scene.up)?;
+    Some(Banner {
+        key: "turned",
+        is_warning: false,
+        text: "Z was taken for up in this model. The doctor (K) says why.".to_owned(),
+        actions: vec![
+            ("Keep z up".to_owned(), Command::SetFrame(unit, scene.up)),
+            (format!("Set {}", frame_name(unit, up)), Command::SetFrame(unit, up)),
+        ],
     })
 }
 

@@ -104,7 +104,11 @@ impl Files {
 
     /// Asks for a scene to open.
     pub(super) fn open_dialog(&self) {
-        self.ask(Purpose::Scene, ("Wavefront OBJ", &["obj", "OBJ"]), FileNews::Opened);
+        self.ask(
+            Purpose::Scene,
+            ("Models (OBJ, glTF, GLB, PLY)", &["obj", "OBJ", "gltf", "GLTF", "glb", "GLB", "ply", "PLY"]),
+            FileNews::Opened,
+        );
     }
 
     /// Asks for a weather file.

@@ -199,7 +199,7 @@ impl App {
     /// Watches the files of the scene that is shown from now on.
     fn watch_files(&mut self) {
         let scene = self.scene_shown.as_deref();
-        let others = scene.map_or(&[][..], |scene| &scene.photometric_files);
+        let others = scene.map_or(&[][..], |scene| &scene.read_from);
         self.files.watch(scene.map(|scene| &scene.source), others);
     }
 

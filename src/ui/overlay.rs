@@ -93,7 +93,7 @@ pub(super) fn drop_target(ui: &egui::Ui, view: Rect) {
     let painter = ui.painter_at(view);
     painter.rect_filled(view, 0.0, Color32::from_black_alpha(150));
     let font = egui::FontId::proportional(20.0);
-    painter.text(view.center(), Align2::CENTER_CENTER, "Drop an OBJ file to open it", font, theme::ACCENT);
+    painter.text(view.center(), Align2::CENTER_CENTER, "Drop a model to open it", font, theme::ACCENT);
 }
 
 /// What to say while there is no picture yet.

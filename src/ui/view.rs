@@ -11,7 +11,7 @@ use super::{banners, input, legend, luminaires, marks, outline, overlay, picture
 use crate::display::{NO_VALUE, SkyLight};
 use crate::navigation::Camera;
 use crate::render::{ColourSource, FrameInput, Pick};
-use crate::scene::{Lighting, SceneSource};
+use crate::scene::{Lighting, SceneSource, is_model_file};
 use crate::solve::Stage;
 use egui::{CursorIcon, PointerButton, Rect, Sense, Vec2};
 use glam::DVec2;
@@ -368,9 +368,7 @@ impl App {
             && !self.help_open;
         if self.picture.prepared.is_none() {
             let text = match self.snapshot.stage {
-                Stage::Idle if !self.picture.is_building() => {
-                    "Open a scene: Ctrl-O, or drop an OBJ file here"
-                }
+                Stage::Idle if !self.picture.is_building() => "Open a scene: Ctrl-O, or drop a model here",
                 Stage::Failed => "Nothing could be shown: see the message above",
                 _ => "Loading...",
             };
@@ -402,12 +400,12 @@ impl App {
         let has_ending = |path: &std::path::Path, ending: &str| {
             path.extension().is_some_and(|e| e.eq_ignore_ascii_case(ending))
         };
-        if let Some(path) = paths.iter().find(|path| has_ending(path, "obj")) {
+        if let Some(path) = paths.iter().find(|path| is_model_file(path)) {
             out.push(Command::Open(SceneSource::File(path.clone())));
         } else if let Some(path) = paths.iter().find(|path| has_ending(path, "epw")) {
             out.push(Command::SetWeather(path.clone()));
         } else if let Some(path) = paths.first() {
-            self.complain(format!("{} is no OBJ file, so it cannot be opened", path.display()));
+            self.complain(format!("{} is no model that can be read (OBJ, glTF, GLB or PLY)", path.display()));
         }
     }
 

@@ -45,6 +45,10 @@ fn what_is_no_model_is_refused_in_words() {
     let mut harness = window(&worker, false);
     drop_on(&mut harness, &["/models/notes.txt"]);
     assert!(worker.requests().iter().all(|request| !request.starts_with("open ")));
-    assert!(harness.query_by_label("/models/notes.txt is no OBJ file, so it cannot be opened").is_some());
+    assert!(
+        harness
+            .query_by_label("/models/notes.txt is no model that can be read (OBJ, glTF, GLB or PLY)")
+            .is_some()
+    );
     assert!(harness.state().camera().is_some(), "the present scene is left alone");
 }

@@ -200,7 +200,7 @@ fn the_unit_in_force_is_not_written_again() {
 }
 
 #[test]
-fn a_model_on_its_side_in_inches_is_set_right_with_one_click() {
+fn a_model_on_its_side_in_inches_is_upright_and_its_unit_is_set_with_one_click() {
     let folder = tempfile::tempdir().expect("a folder");
     let model = write_model(folder.path());
     std::fs::remove_file(model.with_extension("toml")).expect("there");
@@ -217,7 +217,7 @@ fn a_model_on_its_side_in_inches_is_set_right_with_one_click() {
     let worker = Counting::showing(solution_of(&model));
     let mut harness = window(&worker, false);
     harness.run_steps(5);
-    let banner = "This model seems to lie on its side, and to be in inches rather than metres.";
+    let banner = "This model seems to be in inches rather than metres.";
     assert!(harness.query_all_by_label_contains(banner).count() > 0);
     harness.get_by_label_contains("Set inches, z up").click();
     wait_until(&mut harness, "the model is read again", |_| opened(&worker).len() == 1);

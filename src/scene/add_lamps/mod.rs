@@ -225,6 +225,7 @@ fn named(scene: &Scene, rooms: Vec<Lit>) -> Vec<PlacedLamp> {
                 photometric: None,
                 array: SINGLE,
                 spacing: [0.0; 2],
+                cone: None,
             });
         }
     }

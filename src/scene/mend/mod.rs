@@ -4,6 +4,7 @@
 //!
 //! What emits keeps its side. Materials, lamps, views and the objects' names stay as they are.
 
+mod library;
 mod shape;
 mod split;
 mod texts;
@@ -11,6 +12,7 @@ mod texts;
 use super::doctor;
 use super::error::SceneError;
 use super::types::Scene;
+pub use library::CopiedImage;
 use shape::Shape;
 use std::path::{Path, PathBuf};
 
@@ -24,9 +26,13 @@ const MOST_CUTS: usize = 100_000;
 pub struct Mended {
     /// Wavefront OBJ, in the unit of the model; it names `NAME.mtl` as its library.
     pub obj: String,
-    /// The libraries of the model in one, images named as they are found from the folder of the copy.
+    /// The libraries of the model in one, images named as they are found from the folder of the copy; or one of its
+    /// materials, where it is no OBJ.
     pub mtl: String,
-    /// The sidecar as it was, where there was one; photometric files are named as they are found from that folder.
+    /// Images that are to stand beside the copy.
+    pub images: Vec<CopiedImage>,
+    /// The sidecar as it was, where there was one; photometric files are named as they are found from that folder. Of a
+    /// model that is no OBJ also what only a sidecar can say in a copy: its unit, lights and cameras.
     pub sidecar: Option<String>,
     /// What was done, a short sentence each; empty where nothing had to be mended.
     pub done: Vec<String>,
@@ -109,6 +115,7 @@ pub fn mend(scene: &Scene, copy: &Path) -> Result<Mended, SceneError> {
     Ok(Mended {
         obj: texts::obj(&shape.scene, &originals, copy),
         mtl: originals.mtl,
+        images: originals.images,
         sidecar: originals.sidecar,
         done,
         left,

@@ -5,7 +5,7 @@ use crate::scene::doctor::orientation::orient;
 use crate::scene::doctor::topology::{HalfEdge, bundles, cut, half_edges, missing, stops, weld};
 use crate::scene::doctor::{MOST_OPEN, WELD, crack};
 use crate::scene::luminaires::turn;
-use crate::scene::obj::{Face, Obj};
+use crate::scene::model::{Face, Polygons};
 use crate::scene::repair::repair;
 use crate::scene::sides::partners;
 use crate::scene::types::{Corner, Scene, Surface};
@@ -76,13 +76,13 @@ impl Shape {
             corners: s.corners.iter().map(|c| (c.position, c.normal, c.uv)).collect(),
             object: s.object,
             material: s.material,
-            line: s.line.unwrap_or(0),
+            line: s.line,
         };
-        let obj = Obj {
+        let obj = Polygons {
             normals: std::mem::take(&mut scene.normals),
             faces: scene.surfaces.iter().map(face).collect(),
             objects: scene.objects.clone(),
-            ..Obj::default()
+            ..Polygons::default()
         };
         let repaired = repair(&obj, &scene.positions, &self.emits);
         scene.normals = repaired.normals;

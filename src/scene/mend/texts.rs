@@ -1,5 +1,6 @@
 //! The texts of a mended copy: its OBJ written anew, its library and sidecar taken over.
 
+use super::library::{self, CopiedImage};
 use crate::encoding::decode;
 use crate::scene::builtin;
 use crate::scene::error::SceneError;
@@ -8,8 +9,10 @@ use crate::scene::library::{Block, Library, open};
 use crate::scene::lookup::{Files, Found, read_plain};
 use crate::scene::luminaires::turn;
 use crate::scene::map::{Map, Placement, is_map};
+use crate::scene::model::importer;
 use crate::scene::selection::lamps_of_entries;
 use crate::scene::sidecar::{EmitsKey, LuminaireEntry, Source};
+use crate::scene::sidecar_write::sidecar_text;
 use crate::scene::sides::partners;
 use crate::scene::text::{keyword, logical_lines};
 use crate::scene::types::{Scene, SceneSource, Surface};
@@ -18,9 +21,12 @@ use std::fmt::Write as _;
 use std::path::{Component, Path, PathBuf};
 
 /// What a copy takes over from the model.
+#[derive(Default)]
 pub(super) struct Originals {
     /// All libraries in one.
     pub(super) mtl: String,
+    /// Images that the copy needs beside it.
+    pub(super) images: Vec<CopiedImage>,
     pub(super) sidecar: Option<String>,
     /// Files that were read, and images that the library names.
     pub(super) sources: Vec<PathBuf>,
@@ -36,16 +42,17 @@ pub(super) fn originals(scene: &Scene, copy: &Path) -> Result<Originals, SceneEr
                 known: builtin::NAMES.join(", "),
             })?;
             let sidecar = Some(texts.sidecar).filter(|text| !text.is_empty());
-            return Ok(Originals { mtl: texts.mtl, sidecar, sources: Vec::new() });
+            return Ok(Originals { mtl: texts.mtl, sidecar, ..Originals::default() });
         }
     };
-    let text = |path: &Path| match read_plain(path) {
-        Ok(bytes) => Ok(decode(&bytes).into_owned()),
-        Err(error) => Err(SceneError::reading(path, &error)),
-    };
+    let text = |path: &Path| bytes_of(path).map(|bytes| decode(&bytes).into_owned());
+    let bytes = bytes_of(path)?;
+    if !importer(path, &bytes).endings().contains(&"obj") {
+        return of_others(scene, path, copy);
+    }
     let folder = path.parent().unwrap_or(Path::new(""));
-    let obj = text(path)?;
-    let mut originals = Originals { mtl: String::new(), sidecar: None, sources: vec![path.clone()] };
+    let obj = decode(&bytes);
+    let mut originals = Originals { sources: vec![path.clone()], ..Originals::default() };
     let lines: Vec<_> = logical_lines(&obj).map(|(_, line)| line).collect();
     let libraries =
         lines.iter().map(|line| keyword(line)).filter(|(word, name)| word == "mtllib" && !name.is_empty());
@@ -64,6 +71,26 @@ pub(super) fn originals(scene: &Scene, copy: &Path) -> Result<Originals, SceneEr
             Some(originals.take_photometry(given, path, copy.parent().unwrap_or(Path::new(""))));
         originals.sources.push(sidecar);
     }
+    Ok(originals)
+}
+
+fn bytes_of(path: &Path) -> Result<Vec<u8>, SceneError> {
+    read_plain(path).map_err(|error| SceneError::reading(path, &error))
+}
+
+/// What a copy of a model takes over that is no OBJ.
+fn of_others(scene: &Scene, path: &Path, copy: &Path) -> Result<Originals, SceneError> {
+    let (mtl, images) = library::made(scene, copy);
+    let sidecar = sidecar_path(path);
+    let existing = match sidecar.exists() {
+        true => Some(decode(&bytes_of(&sidecar)?).into_owned()),
+        false => None,
+    };
+    let mut sources = vec![path.to_owned(), sidecar];
+    sources.extend(scene.read_from.iter().cloned());
+    let mut originals = Originals { mtl, images, sources, sidecar: None };
+    let text = sidecar_text(scene, &scene.lighting(), &[], existing.as_deref())?;
+    originals.sidecar = Some(originals.take_photometry(text, path, copy.parent().unwrap_or(Path::new(""))));
     Ok(originals)
 }
 
