@@ -10,6 +10,7 @@ mod failure;
 mod interrupt;
 mod lamps;
 mod options;
+mod page;
 mod photometry;
 mod picture;
 mod plan;
@@ -48,6 +49,7 @@ struct Arguments {
 #[derive(Debug, Subcommand)]
 enum Command {
     Solve(Box<solve::Arguments>),
+    Report(Box<page::Arguments>),
     Accuracy(accuracy::Arguments),
     Scenes(scenes::Arguments),
     Check(check::Arguments),
@@ -68,12 +70,15 @@ pub fn run() -> ExitCode {
     };
     interrupt::leave_nothing_half_written();
     // These know how many threads they are to have.
-    let set_by_themselves =
-        matches!(arguments.command, None | Some(Command::Solve(_)) | Some(Command::Accuracy(_)));
+    let set_by_themselves = matches!(
+        arguments.command,
+        None | Some(Command::Solve(_) | Command::Report(_) | Command::Accuracy(_))
+    );
     let threads = if set_by_themselves { Ok(()) } else { options::set_threads(None) };
     let result = threads.and_then(|()| match &arguments.command {
         None => window::run(&arguments.window),
         Some(Command::Solve(arguments)) => solve::run(arguments),
+        Some(Command::Report(arguments)) => page::run(arguments),
         Some(Command::Accuracy(arguments)) => accuracy::run(arguments),
         Some(Command::Scenes(arguments)) => scenes::run(arguments),
         Some(Command::Check(arguments)) => check::run(arguments),

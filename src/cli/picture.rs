@@ -4,7 +4,7 @@ use crate::display::{
     DisplayMesh, Exposure, Shading, SkyView, ToneMap, even_light, luminance, meter, openness, white_balance,
 };
 use crate::effects::Effect;
-use crate::export::ExportError;
+use crate::export::{ExportError, png_bytes};
 use crate::navigation::Camera;
 use crate::outputs::{StillKind, StillLight, save_lit_mesh, save_still};
 use crate::render::{Picker, Still, StillOptions, render_still};
@@ -155,6 +155,18 @@ impl<'a> Studio<'a> {
         let still = self.still_of(corners, &camera, size, exposure, |share| line.picture(share))?;
         drop(line);
         Ok(save_still(path, kind, &still)?)
+    }
+
+    /// A view with the exposure that suits it, as the bytes of a PNG file.
+    ///
+    /// # Errors
+    /// As [`Self::still`].
+    pub(super) fn png(&self, view: &View, size: [u32; 2]) -> Result<Vec<u8>, Failure> {
+        let camera = Camera::from_view(view, self.solved.scene.up.vector());
+        let exposure = self.metered(&camera, size).unwrap_or_default();
+        let mut line = ProgressLine::new();
+        let still = self.still(&camera, size, exposure, |share| line.picture(share))?;
+        Ok(png_bytes(Path::new(&view.name), still.width, still.height, &still.to_rgba8())?)
     }
 
     /// Writes the lit sides with vertex radiosity, exposed for the scene as a whole.

@@ -322,7 +322,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
 }
 
 /// The scene under the sky of its sidecar with what the text says changed.
-fn under_sky(scene: &Scene, text: &str) -> Result<Scene, Failure> {
+pub(super) fn under_sky(scene: &Scene, text: &str) -> Result<Scene, Failure> {
     let own = scene.outdoors.as_ref().map(|outdoors| outdoors.choice.clone()).unwrap_or_default();
     let choice = own.changed(text).map_err(|error| Failure::input(format!("--daylight: {error}")))?;
     Ok(scene.with_daylight(Some(&choice))?)

@@ -4,6 +4,7 @@ use super::failure::Failure;
 use super::points;
 use super::text;
 use crate::export::{ExportError, GridReport, PointResult, SurfacePoint, WorkPlaneReport, write_irradiance};
+use crate::outputs::LitPlane;
 use crate::scene::{Lighting, Scene, USUAL_WORK_PLANE, WorkPlane, illuminance, work_planes};
 use crate::solve::{Overcast, Solution};
 use crate::solver::PatchLight;
@@ -21,19 +22,26 @@ impl Grids {
     /// # Errors
     /// There is no room.
     pub(super) fn new(scene: &Scene, height: Option<f64>) -> Result<Self, Failure> {
-        let metres = height.map_or(USUAL_WORK_PLANE, |height| height * scene.unit.metres());
-        let planes = work_planes(scene, metres);
-        if planes.is_empty() {
-            return Err(Failure::input(format!(
-                "--work-plane: no room was found in {} with space {metres:.2} m above its floor; a room has a floor, \
+        Self::in_rooms(scene, height).ok_or_else(|| {
+            Failure::input(format!(
+                "--work-plane: no room was found in {} with space {:.2} m above its floor; a room has a floor, \
                  a ceiling and walls",
-                scene.name
-            )));
+                scene.name,
+                metres(scene, height)
+            ))
+        })
+    }
+
+    /// The same; `None` where there is no room.
+    pub(super) fn in_rooms(scene: &Scene, height: Option<f64>) -> Option<Self> {
+        let planes = work_planes(scene, metres(scene, height));
+        if planes.is_empty() {
+            return None;
         }
         let normal = scene.up.vector();
         let place = |&place| SurfacePoint { position: scene.in_file(place), normal };
         let points = planes.iter().flat_map(|plane| &plane.points).map(place).collect();
-        Ok(Self { planes, points })
+        Some(Self { planes, points })
     }
 
     /// What arrives at all points.
@@ -74,6 +82,11 @@ impl Grids {
     }
 }
 
+/// The height of work planes, metres.
+fn metres(scene: &Scene, height: Option<f64>) -> f64 {
+    height.map_or(USUAL_WORK_PLANE, |height| height * scene.unit.metres())
+}
+
 /// No light comes to a room that has less than this share of the brightest place.
 const DARK: f64 = 1e-6;
 
@@ -110,6 +123,19 @@ impl LitGrids {
         let names: Vec<String> = self.reports.iter().flat_map(name).collect();
         let names: Vec<&str> = names.iter().map(String::as_str).collect();
         write_irradiance(path, Some(&names), &self.points, &self.results, illuminance)
+    }
+
+    /// Room by room, with its points in the scene, metres.
+    pub(super) fn planes(&self, scene: &Scene) -> Vec<LitPlane> {
+        let mut all = self.points.iter().zip(&self.results);
+        let lit = |(point, result): (&SurfacePoint, &PointResult)| {
+            (scene.in_scene(point.position), illuminance(result.irradiance))
+        };
+        let plane = |report: &WorkPlaneReport| LitPlane {
+            report: report.clone(),
+            points: all.by_ref().take(report.points).map(lit).collect(),
+        };
+        self.reports.iter().map(plane).collect()
     }
 
     /// A few lines for each room.

@@ -17,7 +17,7 @@ pub use csv::{PatchRow, write_patch_table};
 pub use error::ExportError;
 pub use exr::{StillLayers, write_exr};
 pub use ply::{LitMesh, write_ply};
-pub use png::write_png;
+pub use png::{png_bytes, write_png, write_png_with_alpha};
 pub use points::{PointResult, PointsError, SurfacePoint, parse_points, read_points, write_irradiance};
 pub use report::{
     AccuracyReport, AreaReport, AttemptReport, DominantReport, EffectReport, ElementReport, ErrorReport,

@@ -1,7 +1,7 @@
 use super::{ExportError, atomic};
 use image::codecs::png::PngEncoder;
 use image::{ExtendedColorType, ImageEncoder as _};
-use std::io;
+use std::io::Write as _;
 use std::path::Path;
 
 /// Writes an opaque picture of 8 bits a channel, sRGB encoded, rows from the top.
@@ -11,6 +11,35 @@ use std::path::Path;
 /// # Errors
 /// A count of pixels that does not fit the size, or a refusal of the system.
 pub fn write_png(path: &Path, width: u32, height: u32, rgba: &[u8]) -> Result<(), ExportError> {
+    write(path, &encoded(path, (width, height), rgba, false)?)
+}
+
+/// As [`write_png`], with alpha.
+///
+/// # Errors
+/// As there.
+pub fn write_png_with_alpha(path: &Path, width: u32, height: u32, rgba: &[u8]) -> Result<(), ExportError> {
+    write(path, &encoded(path, (width, height), rgba, true)?)
+}
+
+/// The bytes of the file that [`write_png`] would write.
+///
+/// # Errors
+/// A count of pixels that does not fit the size; `name` is for the message.
+pub fn png_bytes(name: &Path, width: u32, height: u32, rgba: &[u8]) -> Result<Vec<u8>, ExportError> {
+    encoded(name, (width, height), rgba, false)
+}
+
+fn write(path: &Path, bytes: &[u8]) -> Result<(), ExportError> {
+    atomic::write(path, |file| file.write_all(bytes))
+}
+
+fn encoded(
+    path: &Path,
+    (width, height): (u32, u32),
+    rgba: &[u8],
+    with_alpha: bool,
+) -> Result<Vec<u8>, ExportError> {
     let (pixels, rest) = rgba.as_chunks::<4>();
     if pixels.len() != width as usize * height as usize || pixels.is_empty() || !rest.is_empty() {
         return Err(ExportError::shape(
@@ -18,15 +47,17 @@ pub fn write_png(path: &Path, width: u32, height: u32, rgba: &[u8]) -> Result<()
             format!("the picture has {} bytes, which are not {width} x {height} pixels", rgba.len()),
         ));
     }
-    let rgb: Vec<u8> = pixels.iter().flat_map(|&[r, g, b, _]| [r, g, b]).collect();
-    atomic::write(path, |file| {
-        PngEncoder::new(file).write_image(&rgb, width, height, ExtendedColorType::Rgb8).map_err(|error| {
-            match error {
-                image::ImageError::IoError(error) => error,
-                other => io::Error::other(other),
-            }
-        })
-    })
+    let mut bytes = Vec::new();
+    let encoder = PngEncoder::new(&mut bytes);
+    let result = match with_alpha {
+        true => encoder.write_image(rgba, width, height, ExtendedColorType::Rgba8),
+        false => {
+            let rgb: Vec<u8> = pixels.iter().flat_map(|&[r, g, b, _]| [r, g, b]).collect();
+            encoder.write_image(&rgb, width, height, ExtendedColorType::Rgb8)
+        }
+    };
+    result.map_err(|error| ExportError::shape(path, error.to_string()))?;
+    Ok(bytes)
 }
 
 #[cfg(test)]

@@ -1,4 +1,4 @@
-use crate::export::{ExportError, atomic, write_png};
+use crate::export::{ExportError, atomic, write_png_with_alpha};
 use crate::scene::{Mended, Scene, SceneError, mend, sidecar_path};
 use std::io::Write as _;
 use std::path::{Path, PathBuf};
@@ -44,7 +44,7 @@ pub fn save_repaired(copy: &Path, scene: &Scene) -> Result<Mended, RepairError> 
         return Err(RepairError::ForeignSidecar(sidecar));
     }
     for (path, image) in images.iter().zip(&mended.images) {
-        write_png(path, image.size[0], image.size[1], &image.rgba)?;
+        write_png_with_alpha(path, image.size[0], image.size[1], &image.rgba)?;
     }
     for (path, text) in files {
         if let Some(text) = text {
@@ -54,7 +54,7 @@ pub fn save_repaired(copy: &Path, scene: &Scene) -> Result<Mended, RepairError> 
     Ok(mended)
 }
 
-/// Whether two paths lead to one file, by whatever links.
+/// Whether two paths lead to one file, by whatever links, or would if it were there.
 pub fn is_same_file(a: &Path, b: &Path) -> bool {
     #[cfg(unix)]
     {
@@ -63,8 +63,16 @@ pub fn is_same_file(a: &Path, b: &Path) -> bool {
             return a.dev() == b.dev() && a.ino() == b.ino();
         }
     }
-    match (a.canonicalize(), b.canonicalize()) {
-        (Ok(a), Ok(b)) => a == b,
+    match (whole(a), whole(b)) {
+        (Some(a), Some(b)) => a == b,
         _ => false,
     }
+}
+
+/// A path without links, also of a file that is not there yet.
+fn whole(path: &Path) -> Option<PathBuf> {
+    path.canonicalize().ok().or_else(|| {
+        let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+        Some(folder.canonicalize().ok()?.join(path.file_name()?))
+    })
 }

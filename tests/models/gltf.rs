@@ -166,6 +166,10 @@ fn panes_holes_and_colours_of_corners_are_read() {
             assert!((found - expected).abs() < 1e-5, "{found} at {x}");
         }
     }
+    std::fs::create_dir(place.path("copy")).unwrap();
+    // Both would have one sidecar.
+    let refused = place.run(&["check", "panes.glb", "--repair", "panes.obj"]);
+    assert!(String::from_utf8(refused.stderr).unwrap().contains("choose another name for the copy"));
     // An image with alpha is a hole where the material is cut, and none where it is opaque.
     let leaf = |_: &mut Gltf| {
         let mut bytes = Cursor::new(Vec::new());
@@ -189,6 +193,11 @@ fn panes_holes_and_colours_of_corners_are_read() {
             }
             None => assert!(!texture.has_holes(), "{mode}"),
         }
+        // So it is in a copy.
+        place.succeed(&["check", "leaf.glb", "--repair", "copy/leaf.obj"]);
+        let copied = &read(&place, "copy/leaf.obj").textures[0];
+        assert_eq!(copied.opacity.len(), texture.opacity.len(), "{mode}");
+        assert!(copied.opacity.iter().zip(&texture.opacity).all(|(a, b)| (a - b).abs() < 3e-3), "{mode}");
     }
 }
 
