@@ -58,6 +58,8 @@ fn what_cannot_be_written_up_is_refused_before_the_solve() {
     };
     assert!(refused(&["report", "dark.obj", "--out", "a"]).contains("add --ceiling-lamps or --daylight"));
     assert!(refused(&["report", "room.obj", "--out", "a", "--use", "ballroom"]).contains("office"));
+    assert!(refused(&["report", "room.obj", "--out", "a", "--height", "5000"]).contains("no room was found"));
+    std::fs::remove_dir(place.path("a")).unwrap();
     place.put("taken", "");
     assert!(refused(&["report", "room.obj", "--out", "taken"]).contains("taken"));
     assert!(!place.path("a").exists(), "no folder is left behind");

@@ -9,8 +9,10 @@ use lumenwalk::mesh::{self, MeshSettings, NO_PATCH, PatchMesh, PatchTarget, Side
 use lumenwalk::navigation::Camera;
 use lumenwalk::render::Picker;
 use lumenwalk::scene::{Scene, from_text};
+use lumenwalk::solve::{Control, SolveSettings, solve};
 use render_room::{Room, WHITE, camera, light};
 use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
 
 /// World positions and values of the lit corners for a field over patch centres.
 fn corner_field(
@@ -296,4 +298,42 @@ fn a_ball_a_hair_above_the_floor_is_in_the_light_all_around() {
     let dark = |side: Side| ball().filter(|region| region.dark_as_whole[side as usize]).count();
     assert!(ball().count() > 700);
     assert_eq!([dark(Side::Front), dark(Side::Back)], [0, ball().count()], "lit outside, dark inside");
+}
+
+#[test]
+fn faces_of_one_plane_keep_their_own_parts_of_an_image() {
+    // Colours of corners lie in an image with a tile for each face: every edge between faces is a seam of it.
+    let mut text = String::from("mtllib m.mtl\n");
+    for k in 0..25 {
+        let (x, y) = (f64::from(k % 5), f64::from(k / 5));
+        text += &format!("v {x} {y} 0 {} 0.5 {}\n", 0.2 + 0.15 * x, 0.2 + 0.15 * y);
+    }
+    for k in (0..20).filter(|k| k % 5 < 4) {
+        let [a, b, c, d] = [k + 1, k + 2, k + 7, k + 6];
+        text += &format!("f {a} {b} {c}\nf {a} {c} {d}\n");
+    }
+    text += "v 1 1 2\nv 2 1 2\nv 2 2 2\nv 1 2 2\nusemtl light\nf 29 28 27 26\n";
+    let scene = from_text("wall", &text, "newmtl light\nKd 0 0 0\nKe 9 9 9\n", None).unwrap();
+    let settings = SolveSettings { patches: PatchTarget::Count(30), ..SolveSettings::default() };
+    let solved =
+        solve(Arc::new(scene), &settings, &AtomicBool::new(false), &mut |_| Control::Continue).unwrap();
+    let elements = solved.element_light.as_ref().map(|light| &light.elements);
+    let display = DisplayMesh::build_on(&solved.mesh, &solved.scene, true, elements);
+    let code = |x: f64| ((x + 0.055) / 1.055).powf(2.4);
+    let mut looked_at = 0;
+    for triangle in display.indices[..display.unlit.start as usize].as_chunks::<3>().0 {
+        let corners = triangle.map(|index| display.corners[index as usize]);
+        let material = solved.mesh.patches[corners[0].patch as usize].material;
+        let Some(texture) = solved.scene.materials[material as usize].texture else { continue };
+        let third = |pick: &dyn Fn(usize) -> DVec3| (pick(0) + pick(1) + pick(2)) / 3.0;
+        let place = display.origin + third(&|k| corners[k].position.as_dvec3());
+        let uv = third(&|k| corners[k].uv.extend(0.0).as_dvec3());
+        let found = solved.scene.textures[texture as usize].sample(uv.truncate());
+        let wanted = [code(0.2 + 0.15 * place.x), code(0.5), code(0.2 + 0.15 * place.y)];
+        // Between corners a face is linear in light and the codes are not.
+        let is_close = (0..3).all(|band| (f64::from(found[band]) - wanted[band]).abs() < 0.03);
+        assert!(is_close, "{found:?} at {place}, expected {wanted:?}");
+        looked_at += 1;
+    }
+    assert!(looked_at >= 32, "{looked_at} triangles of the wall");
 }

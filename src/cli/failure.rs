@@ -88,7 +88,9 @@ impl From<RepairError> for Failure {
             RepairError::Scene(error) => error.into(),
             RepairError::Export(error) => error.into(),
             // The name was the user's choice.
-            RepairError::Original(_) | RepairError::ForeignSidecar(_) => Self::Input(error.into()),
+            RepairError::Original(_) | RepairError::ForeignSidecar(_) | RepairError::ForeignImage(_) => {
+                Self::Input(error.into())
+            }
         }
     }
 }

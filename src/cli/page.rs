@@ -9,8 +9,8 @@ use super::work_planes::Grids;
 use super::written::Written;
 use crate::accuracy::ErrorBudget;
 use crate::export::atomic;
-use crate::outputs::{Page, TARGETS, Target, page_html};
-use crate::scene::{Severity, USUAL_WORK_PLANE};
+use crate::outputs::{Page, TARGETS, Target, is_same_file, page_html};
+use crate::scene::{Severity, USUAL_WORK_PLANE, sidecar_path};
 use crate::solve::{Overcast, Solution};
 use clap::Args;
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser as _};
@@ -89,11 +89,24 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
         .map_err(|error| Failure::input(format!("{}: {error}", folder.display())))?;
     let page_path = folder.join(format!("{}.html", scene.name));
     let table_path = folder.join(format!("{}-grid.csv", scene.name));
+    let model = scene.source.path();
+    let own =
+        model.iter().flat_map(|path| [path.to_path_buf(), sidecar_path(path), path.with_extension("mtl")]);
+    let inputs: Vec<PathBuf> = own.chain(scene.read_from.iter().cloned()).collect();
     for path in [&page_path, &table_path] {
+        if inputs.iter().any(|input| is_same_file(input, path)) {
+            return Err(Failure::input(format!(
+                "{} would be overwritten and is an input; choose another folder for what is written",
+                path.display()
+            )));
+        }
         atomic::probe(path)?;
     }
-    // A scene without rooms, such as a court, has a page without plans.
-    let grids = Grids::in_rooms(&scene, arguments.height);
+    // A scene without rooms, such as a court, has a page without plans, unless somebody asks for them.
+    let grids = match (arguments.height, arguments.target) {
+        (None, None) => Grids::in_rooms(&scene, None),
+        (height, _) => Some(Grids::new(&scene, height)?),
+    };
 
     let (solved, light) = solve::solve(scene, &settings, &lighting)?;
     let scene = Arc::clone(&solved.scene);

@@ -24,7 +24,7 @@ impl Grids {
     pub(super) fn new(scene: &Scene, height: Option<f64>) -> Result<Self, Failure> {
         Self::in_rooms(scene, height).ok_or_else(|| {
             Failure::input(format!(
-                "--work-plane: no room was found in {} with space {:.2} m above its floor; a room has a floor, \
+                "no room was found in {} with space {:.2} m above its floor for a work plane; a room has a floor, \
                  a ceiling and walls",
                 scene.name,
                 metres(scene, height)

@@ -17,7 +17,8 @@ pub struct Detail<'a> {
     pub reflectance: &'a [[f32; 3]],
 }
 
-/// One corner to draw for each corner of elements and patch there.
+/// One corner to draw for each corner of elements, patch there and place in its image: neighbours of one patch may lie in
+/// different parts of that.
 #[derive(Default)]
 pub(super) struct ElementCorners {
     pub(super) corners: Vec<DisplayCorner>,
@@ -35,6 +36,12 @@ struct Root {
     uvs: [DVec2; 3],
 }
 
+/// Texture coordinates as far as they tell corners apart.
+fn rounded(uv: DVec2) -> [i64; 2] {
+    const STEPS: f64 = 1e6;
+    uv.to_array().map(|value| (STEPS * value).round() as i64)
+}
+
 impl ElementCorners {
     pub(super) fn new(
         mesh: &PatchMesh,
@@ -47,7 +54,7 @@ impl ElementCorners {
             places: vec![0; 2 * mesh.corners.len()],
             ..Self::default()
         };
-        let mut known: HashMap<(u32, u32), u32> = HashMap::new();
+        let mut known: HashMap<(u32, u32, [i64; 2]), u32> = HashMap::new();
         let mut triangle = 0;
         for piece in &mesh.pieces {
             let first = piece.corners.start as usize;
@@ -67,16 +74,19 @@ impl ElementCorners {
                         for (k, weights) in weights.into_iter().enumerate() {
                             let corner = elements.elements[leaf as usize].corners[k];
                             let next = all.corners.len() as u32;
-                            let place = *known.entry((root.patch, corner)).or_insert(next);
+                            let uv: DVec2 = root.uvs.iter().zip(weights).map(|(&uv, w)| uv * w).sum();
+                            let place = *known.entry((root.patch, corner, rounded(uv))).or_insert(next);
                             all.faces[leaf as usize][k] = place;
                             if place == next {
-                                all.add(&root, elements, corner, weights, origin);
+                                all.add(&root, elements, (corner, uv), weights, origin);
                             }
                         }
                     });
                     for (c, corner) in own.into_iter().zip(elements.elements[index as usize].corners) {
-                        all.places[2 * c + side as usize] =
-                            known.get(&(root.patch, corner)).copied().unwrap_or(0);
+                        all.places[2 * c + side as usize] = known
+                            .get(&(root.patch, corner, rounded(mesh.corners[c].uv)))
+                            .copied()
+                            .unwrap_or(0);
                     }
                 }
                 triangle += 1;
@@ -85,9 +95,15 @@ impl ElementCorners {
         all
     }
 
-    fn add(&mut self, root: &Root, elements: &Elements, corner: u32, weights: [f64; 3], origin: DVec3) {
+    fn add(
+        &mut self,
+        root: &Root,
+        elements: &Elements,
+        (corner, uv): (u32, DVec2),
+        weights: [f64; 3],
+        origin: DVec3,
+    ) {
         let from = &elements.corners[corner as usize];
-        let uv: DVec2 = root.uvs.iter().zip(weights).map(|(&uv, weight)| uv * weight).sum();
         self.corners.push(DisplayCorner {
             position: (from.position - origin).as_vec3(),
             normal: from.normal.as_vec3(),

@@ -15,6 +15,9 @@ pub enum RepairError {
     /// A sidecar that has nothing to do with the model would be taken for the copy's.
     #[error("{} is there and would change the copy, which has no sidecar; remove it or choose another name", .0.display())]
     ForeignSidecar(PathBuf),
+    /// An image that has nothing to do with the model would be replaced.
+    #[error("{} is there and is no image of an earlier copy; remove it or choose another name for the copy", .0.display())]
+    ForeignImage(PathBuf),
     /// The system refused.
     #[error(transparent)]
     Export(#[from] ExportError),
@@ -38,6 +41,13 @@ pub fn save_repaired(copy: &Path, scene: &Scene) -> Result<Mended, RepairError> 
     for path in files.iter().map(|(path, _)| *path).chain(&images) {
         if mended.sources.iter().any(|source| is_same_file(path, source)) {
             return Err(RepairError::Original(path.clone()));
+        }
+    }
+    let earlier = std::fs::read(&library).unwrap_or_default();
+    let earlier = String::from_utf8_lossy(&earlier);
+    for (path, image) in images.iter().zip(&mended.images) {
+        if path.exists() && !earlier.contains(&image.name) {
+            return Err(RepairError::ForeignImage(path.clone()));
         }
     }
     if mended.sidecar.is_none() && sidecar.exists() {

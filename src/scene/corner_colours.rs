@@ -9,6 +9,9 @@ use super::mtl::Materials;
 use super::types::{MAX_REFLECTANCE, Material, Texture, luminance_weighted};
 use glam::DVec2;
 
+/// Name of the material of faces that have none but their colours.
+pub(super) const NAME: &str = "Colours of corners";
+
 /// Linear reflectances at the corners of a face, by its number.
 pub(super) type FaceColours = (usize, Vec<[f32; 3]>);
 

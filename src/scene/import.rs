@@ -143,6 +143,7 @@ fn build(input: Input<'_>, watch: &mut Watch<'_>) -> Result<Scene, SceneError> {
         polygons,
         mut materials,
         textures,
+        both_ways,
         lights,
         views: cameras,
         frame: own,
@@ -179,6 +180,7 @@ fn build(input: Input<'_>, watch: &mut Watch<'_>) -> Result<Scene, SceneError> {
         materials: &materials.list,
         exitance: &materials.exitance,
         partners: &sides::partners(&positions, &surfaces),
+        both_ways: &both_ways,
         up,
     };
     let mut normals = repaired.normals;
@@ -210,6 +212,8 @@ fn build(input: Input<'_>, watch: &mut Watch<'_>) -> Result<Scene, SceneError> {
     }
     let mut read_from = photometric.paths();
     read_from.extend(named);
+    read_from.sort();
+    read_from.dedup();
     let mut scene = Scene {
         name: name.to_owned(),
         source: input.source,

@@ -25,6 +25,8 @@ pub(super) struct Parts<'a> {
     pub(super) exitance: &'a [[f64; 3]],
     /// For each surface the one that is written for its other side.
     pub(super) partners: &'a [Option<u32>],
+    /// Objects and materials whose faces glow to both sides, unless an entry says otherwise.
+    pub(super) both_ways: &'a HashSet<(u32, u32)>,
     pub(super) up: UpAxis,
 }
 
@@ -122,6 +124,8 @@ pub(super) fn gather(
         let members: Vec<Member> = members.into_iter().map(|m| Member { surface: m, like: m }).collect();
         for member in &members {
             surfaces[member.surface].emission_weight = [1.0; 3];
+            surfaces[member.surface].emits_back =
+                parts.both_ways.contains(&(object, material)) && parts.partner(member.surface).is_none();
         }
         let initial = LampState { on: true, dimmer: 1.0, exitance };
         luminaires.push(Luminaire {
@@ -319,7 +323,11 @@ fn light(
     for (member, exitance) in members.iter().zip(&given) {
         let surface = &mut surfaces[member.surface];
         surface.luminaire = Some(number);
-        surface.emits_back = entry.emits == Some(EmitsKey::Both) && parts.partner(member.surface).is_none();
+        let is_both =
+            entry.emits.map_or(parts.both_ways.contains(&(surface.object, surface.material)), |emits| {
+                emits == EmitsKey::Both
+            });
+        surface.emits_back = is_both && parts.partner(member.surface).is_none();
         for band in 0..3 {
             // A band that no surface emits by itself is the same for all when the entry gives it one.
             let is_even = is_photometric || largest[band] <= 0.0;

@@ -8,7 +8,7 @@ use super::types::{FrameChoice, Texture};
 use super::{gltf, ply, wavefront};
 use crate::watch::Watch;
 use glam::{DVec2, DVec3};
-use std::collections::HashMap;
+use std::collections::{HashMap, HashSet};
 use std::hash::Hash;
 use std::path::{Path, PathBuf};
 
@@ -77,6 +77,8 @@ pub(super) struct Model {
     pub(super) polygons: Polygons,
     pub(super) materials: Materials,
     pub(super) textures: Vec<Texture>,
+    /// Objects and materials whose faces glow to both sides.
+    pub(super) both_ways: HashSet<(u32, u32)>,
     pub(super) lights: Vec<BareLight>,
     pub(super) views: Vec<ModelView>,
     /// Unit and axis that the format states.

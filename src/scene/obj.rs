@@ -93,9 +93,11 @@ struct Scanner<'a> {
     /// Which of the texture coordinates can be used.
     usable_uvs: Vec<bool>,
     unread: Vec<String>,
-    /// Corners with a colour, and the colour of each corner once there is one, linear.
+    /// Corners with a colour, and the colour of each corner once there is one, as it is written.
     coloured: usize,
-    colours: Vec<Option<[f32; 3]>>,
+    colours: Vec<Option<[f64; 3]>>,
+    /// Faces without a material whose corners have colours.
+    written: Vec<(usize, Vec<[f64; 3]>)>,
 }
 
 impl Scanner<'_> {
@@ -201,6 +203,12 @@ impl Scanner<'_> {
                     .at(Places { lines: lines_shown, ..Places::default() }),
             );
         }
+        // Codes are from 0 to 1, or from 0 to 255 as some programs write them: a file has one or the other.
+        let all = self.colours.iter().flatten().flatten();
+        let top = if all.copied().any(|value| value > 1.0) { 255.0 } else { 1.0 };
+        let linear = |colours: Vec<[f64; 3]>| colours.into_iter().map(|code| linear(code, top)).collect();
+        let written = std::mem::take(&mut self.written);
+        self.scan.coloured = written.into_iter().map(|(face, colours)| (face, linear(colours))).collect();
         if !say_something(&self.scan.coloured) {
             self.scan.plain += std::mem::take(&mut self.scan.coloured).len();
         }
@@ -244,8 +252,7 @@ impl Scanner<'_> {
         if let Some(large) = values.iter().find(|v| v.abs() > LARGEST_COORDINATE) {
             return Err(fail(format!("the coordinate {large:e} is larger than any building")));
         }
-        let colour =
-            numbers::<3>(&mut words).ok().filter(|(_, count)| *count == 3).map(|(code, _)| linear(code));
+        let colour = numbers::<3>(&mut words).ok().filter(|(_, count)| *count == 3).map(|(code, _)| code);
         if colour.is_some() && self.coloured == 0 {
             self.colours.resize(self.positions, None);
         }
@@ -328,7 +335,7 @@ impl Scanner<'_> {
     fn note_colours(&mut self, corners: &[[Option<usize>; 3]]) {
         let colour = |corner: &[Option<usize>; 3]| *self.colours.get(corner[0]?)?;
         match corners.iter().map(colour).collect() {
-            Some(colours) => self.scan.coloured.push((self.scan.marks.len(), colours)),
+            Some(colours) => self.written.push((self.scan.marks.len(), colours)),
             None => self.scan.plain += 1,
         }
     }
@@ -409,10 +416,8 @@ impl Scanner<'_> {
     }
 }
 
-/// A colour of codes from 0 to 1, or from 0 to 255 as some programs write them, in linear light; white where it is no
-/// number.
-fn linear(code: [f64; 3]) -> [f32; 3] {
-    let top = if code.iter().any(|value| *value > 1.0) { 255.0 } else { 1.0 };
+/// A colour of codes from 0 to `top` in linear light; white where it is no number.
+fn linear(code: [f64; 3], top: f64) -> [f32; 3] {
     let of = |value: f64| if value.is_finite() { srgb_to_linear((value / top).clamp(0.0, 1.0)) } else { 1.0 };
     code.map(|value| of(value) as f32)
 }
@@ -543,7 +548,7 @@ mod tests {
 
     #[test]
     fn colours_of_corners_count_where_a_face_has_no_material() {
-        let coloured = "v 0 0 0\nv 0 0 0 1 0 0.5\nv 1 0 0 0 1 0\nv 1 1 0 255 0 51\nf 2 3 4\nf 1 2 3\n";
+        let coloured = "v 0 0 0\nv 0 0 0 1 0 0.5\nv 1 0 0 0 1 0\nv 1 1 0 1 0 0.2\nf 2 3 4\nf 1 2 3\n";
         let told =
             |scan: &Scan| scan.findings.iter().map(|f| f.message.clone()).collect::<Vec<_>>().join("; ");
         let scan = scanned(coloured).unwrap();
@@ -558,6 +563,10 @@ mod tests {
         );
         let scan = scanned(&format!("usemtl a\n{coloured}")).unwrap();
         assert!(scan.coloured.is_empty() && told(&scan).contains("not read where faces have a material"));
+        // Of a file that counts to 255 a one is nearly black.
+        let scan = scanned(&coloured.replace("1 0 0.2", "255 0 51")).unwrap();
+        assert_eq!(scan.coloured[0].1[2], c);
+        assert!(scan.coloured[0].1[0][0] < 1e-3, "{:?}", scan.coloured[0].1);
         // A weight is no colour, and white says nothing.
         for text in ["v 0 0 0 1\nv 1 0 0 1 # red\nv 0 1 0\nf 1 2 3\n", "v 0 0 0 1 1 1\nf 1 1 1\n"] {
             let scan = scanned(text).unwrap();

@@ -15,6 +15,7 @@ use crate::watch::Watch;
 use glam::{DVec2, DVec3};
 use ply_rs_bw::parser::{ParseError, Parser, Reader};
 use ply_rs_bw::ply::{Header, Property, PropertyAccess, PropertyAccessResult};
+use std::borrow::Cow;
 use std::io::ErrorKind;
 use std::path::Path;
 
@@ -176,7 +177,8 @@ impl Contents {
             Ok(()) => told(given.file, error),
         };
         let mut contents = Self::default();
-        let bytes = WatchedBytes::new(given.bytes, watch.part(0.0, READ));
+        let ended = line_feeds(given.bytes);
+        let bytes = WatchedBytes::new(&ended, watch.part(0.0, READ));
         let result = contents.read_all(&mut Reader::new(bytes));
         let header = result.map_err(|error| fault(&error, watch))?;
         Ok((header, contents))
@@ -202,6 +204,21 @@ impl Contents {
         }
         Ok(header)
     }
+}
+
+/// A file whose lines, or those of its head before binary numbers, end in a carriage return alone, as on old systems, with
+/// line feeds instead.
+fn line_feeds(bytes: &[u8]) -> Cow<'_, [u8]> {
+    const END: &[u8] = b"end_header\r";
+    let head = bytes.windows(END.len()).position(|window| window == END).map(|at| at + END.len());
+    let Some(head) = head.filter(|&head| bytes.get(head) != Some(&b'\n')) else {
+        return Cow::Borrowed(bytes);
+    };
+    let is_text = bytes[..head].windows(6).any(|window| window == b" ascii");
+    let mut ended = bytes.to_vec();
+    let part = if is_text { bytes.len() } else { head };
+    ended[..part].iter_mut().filter(|byte| **byte == b'\r').for_each(|byte| *byte = b'\n');
+    Cow::Owned(ended)
 }
 
 /// A fault of the parser in one sentence.
@@ -309,6 +326,16 @@ impl<'a> Builder<'a> {
     fn texture(&mut self, header: &Header) -> Option<u32> {
         let name =
             header.comments.iter().find_map(|comment| comment.trim().strip_prefix("TextureFile "))?.trim();
+        let more =
+            header.comments.iter().filter(|comment| comment.trim().starts_with("TextureFile ")).count() - 1;
+        if more > 0 {
+            let message = format!(
+                "of the images that the file names only the first is read ({more} more); faces with another one show parts of that"
+            );
+            self.model
+                .findings
+                .push(Finding::new(FindingKind::Material, Severity::Warning, message).counted(more));
+        }
         let mut textures = Textures::default();
         let map = super::map::Map { image: name.to_owned(), ..Default::default() };
         let beside = match self.given.files {
@@ -406,7 +433,7 @@ impl<'a> Builder<'a> {
             );
             tell(FindingKind::Material, Severity::Note, message, coloured.len());
             let laid = std::mem::take(coloured);
-            let material = Material::plain("Colours of corners", DEFAULT_REFLECTANCE);
+            let material = Material::plain(corner_colours::NAME, DEFAULT_REFLECTANCE);
             let made = (&mut model.materials, &mut model.textures);
             corner_colours::lay(laid, material, [0.0; 3], &mut model.polygons, made);
         } else if !has_image {

@@ -37,7 +37,7 @@ impl Importer for Wavefront {
         let made = (&mut materials, &mut textures);
         corner_colours::lay(
             coloured,
-            Material::plain("Colours of corners", DEFAULT_REFLECTANCE),
+            Material::plain(corner_colours::NAME, DEFAULT_REFLECTANCE),
             [0.0; 3],
             &mut polygons,
             made,

@@ -1,11 +1,11 @@
 //! glTF and GLB.
 
 use super::gltf_file::{FLOOR_UVS, Gltf, base64, material, textured, with_light};
-use super::{CORNERS, HALF, OTHER_HALF, PARTS, PLAIN, empty, half_png, hold, lux, read};
+use super::{CORNERS, HALF, LUMINANCE, OTHER_HALF, PARTS, PLAIN, empty, half_png, hold, lux, read};
 use image::ImageFormat;
 use lumenwalk::scene::{self, Scene, SceneSource, UpAxis};
 use serde_json::{Value, json};
-use std::f64::consts::FRAC_PI_2;
+use std::f64::consts::{FRAC_PI_2, PI};
 use std::io::Cursor;
 
 #[test]
@@ -293,6 +293,62 @@ fn a_repaired_copy_of_a_gltf_is_an_obj_with_the_same_light() {
     assert!((pane(&scene).0 - pane(&copy).0).abs() < 1e-6 && pane(&scene).1 == pane(&copy).1);
     let (a, b) = (lux(&place, "lit.glb"), lux(&place, "copy/lit.obj"));
     assert!(a.iter().zip(&b).all(|(a, b)| (a / b - 1.0).abs() < 1e-3), "{a:?} {b:?}");
+}
+
+#[test]
+fn double_sided_sheets_glow_to_both_sides_and_bodies_outwards() {
+    let place = empty();
+    let mut gltf = Gltf::room();
+    gltf.json["materials"][3]["doubleSided"] = json!(true);
+    std::fs::write(place.path("sheet.glb"), gltf.glb()).unwrap();
+    let scene = read(&place, "sheet.glb");
+    assert!(scene.surfaces.iter().all(|surface| surface.emits_back == surface.luminaire.is_some()));
+    let lumens = scene::lumens(&scene)[0][0];
+    assert!((lumens / (2.0 * 0.36 * LUMINANCE * PI) - 1.0).abs() < 1e-5, "{lumens}");
+    // The walls, floor and ceiling are a closed body.
+    let mut gltf = Gltf::new();
+    let glow = gltf.push("materials", material("glow", 0.0));
+    gltf.json["materials"][glow]["doubleSided"] = json!(true);
+    let quads: Vec<[usize; 4]> = PARTS[..3].iter().flat_map(|(_, _, quads)| quads.iter().copied()).collect();
+    let mesh = gltf.part(&quads, glow, &|place| place);
+    gltf.node(json!({ "name": "body", "mesh": mesh }));
+    std::fs::write(place.path("body.glb"), gltf.glb()).unwrap();
+    assert!(read(&place, "body.glb").surfaces.iter().all(|surface| !surface.emits_back));
+}
+
+#[test]
+fn copies_of_odd_names_can_be_read_and_replace_no_foreign_image() {
+    let place = empty();
+    std::fs::create_dir(place.path("copy")).unwrap();
+    let within = |gltf: &mut Gltf| {
+        let view = gltf.view(&half_png());
+        json!({ "bufferView": view, "mimeType": "image/png" })
+    };
+    let mut gltf = textured(within, Value::Null);
+    gltf.json["materials"][2]["name"] = json!("wall\\");
+    gltf.json["materials"][1]["name"] = json!("ceiling\nKd 1 0 0");
+    gltf.json["nodes"][0]["name"] = json!("floor\\");
+    std::fs::write(place.path("room.glb"), gltf.glb()).unwrap();
+    // A picture that somebody has taken.
+    std::fs::write(place.path("copy/room-1.png"), "mine").unwrap();
+    let repair = ["check", "room.glb", "--repair", "copy/room.obj"];
+    let refused = place.run(&repair);
+    let told = String::from_utf8(refused.stderr).unwrap();
+    assert!(told.contains("room-1.png is there and is no image of an earlier copy"), "{told}");
+    assert_eq!(place.text("copy/room-1.png"), "mine");
+    std::fs::remove_file(place.path("copy/room-1.png")).unwrap();
+    for _ in 0..2 {
+        place.succeed(&repair);
+        hold(&place, "copy/room.obj", HALF, "wall");
+    }
+    // An image of the model that no light is computed with is one of its files as well.
+    std::fs::write(place.path("bumps-1.png"), half_png()).unwrap();
+    let mut gltf = textured(within, Value::Null);
+    gltf.push("images", json!({ "uri": "bumps-1.png" }));
+    std::fs::write(place.path("room.glb"), gltf.glb()).unwrap();
+    let refused = place.run(&["check", "room.glb", "--repair", "bumps.obj"]);
+    let told = String::from_utf8(refused.stderr).unwrap();
+    assert!(told.contains("bumps-1.png is a file of the model itself"), "{told}");
 }
 
 #[test]

@@ -103,6 +103,66 @@ fn a_scan_in_ply_has_its_image_its_normals_and_its_strips() {
 }
 
 #[test]
+fn files_of_old_systems_and_of_several_images_are_read_and_told() {
+    let place = empty();
+    let text = String::from_utf8(ply("ascii")).unwrap().replace('\n', "\r");
+    place.put("old.ply", &text);
+    let binary = ply("binary_little_endian");
+    let head = binary.windows(11).position(|window| window == b"end_header\n").unwrap() + 11;
+    let mut old = binary.clone();
+    old[..head].iter_mut().filter(|byte| **byte == b'\n').for_each(|byte| *byte = b'\r');
+    std::fs::write(place.path("oldbin.ply"), old).unwrap();
+    for file in ["old.ply", "oldbin.ply"] {
+        assert_eq!(read(&place, file).surfaces.len(), 6, "{file}");
+    }
+    std::fs::write(place.path("half.png"), half_png()).unwrap();
+    let two = "ply\nformat ascii 1.0\ncomment TextureFile half.png\ncomment TextureFile other.png\nelement vertex 3\n\
+        property float x\nproperty float y\nproperty float z\nelement face 1\nproperty list uchar int vertex_indices\n\
+        end_header\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n";
+    place.put("two.ply", two);
+    let told = place.succeed(&["check", "two.ply"]);
+    assert!(told.contains("only the first is read (1 more)"), "{told}");
+}
+
+#[test]
+fn colours_of_corners_survive_a_copy_of_an_obj() {
+    let place = empty();
+    let corners = "v 0 0 0 1 0 0\nv 1 0 0 0 1 0\nv 1 1 0 0 0 1\nv 0 1 0 0.5 0.5 0.5\nf 1 2 3\nf 1 3 4\n";
+    place.put("wall.obj", corners);
+    std::fs::create_dir(place.path("copy")).unwrap();
+    place.succeed(&["check", "wall.obj", "--repair", "copy/wall.obj"]);
+    for file in ["wall.obj", "copy/wall.obj"] {
+        let scene = read(&place, file);
+        for surface in &scene.surfaces {
+            let texture = scene.materials[surface.material as usize].texture.unwrap();
+            for corner in &surface.corners {
+                let place = scene.positions[corner.position as usize];
+                let found = scene.textures[texture as usize].sample(scene.uvs[corner.uv.unwrap() as usize]);
+                let expected: [f32; 3] = match (place.x > 0.5, place.y > 0.5) {
+                    (false, false) => [0.98, 0.0, 0.0],
+                    (true, false) => [0.0, 0.98, 0.0],
+                    (true, true) => [0.0, 0.0, 0.98],
+                    (false, true) => [0.214; 3],
+                };
+                let is_close = (0..3).all(|band| (found[band] - expected[band]).abs() < 0.01);
+                assert!(is_close, "{file}: {found:?} at {place}");
+            }
+        }
+    }
+}
+
+#[test]
+fn a_report_replaces_no_model_whatever_its_name() {
+    let place = empty();
+    std::fs::write(place.path("room.html"), ply("ascii")).unwrap();
+    place.put("room.toml", &panel());
+    let refused = place.run(&["report", "room.html", "--out", "."]);
+    let told = String::from_utf8(refused.stderr).unwrap();
+    assert!(told.contains("would be overwritten and is an input"), "{told}");
+    assert!(place.text("room.html").starts_with("ply"));
+}
+
+#[test]
 fn damaged_ply_is_refused_in_one_sentence() {
     let place = empty();
     let good = String::from_utf8(ply("ascii")).unwrap();

@@ -90,11 +90,12 @@ fn rooms(out: &mut String, page: &Page<'_>) {
         let _ = writeln!(
             out,
             "<p>Held against EN 12464-1:2011, {} &ldquo;{}&rdquo;: at least {} lx in the mean, uniformity U<sub>0</sub> \
-             of at least {:.2}. Values are those of new lamps in a clean room: a maintenance factor is not applied.</p>",
+             of at least {:.2}. Values are those of new lamps in a clean room: a maintenance factor is not applied.{}</p>",
             target.clause,
             escaped(target.name),
             target.lux,
-            target.uniformity
+            target.uniformity,
+            if is_day(page) { " The present sky and sun count as well: at night there is less." } else { "" }
         );
     }
     let verdict_head = if page.target.is_some() { "<th></th>" } else { "" };
@@ -143,6 +144,16 @@ fn rooms(out: &mut String, page: &Page<'_>) {
             plane.report.height_m
         );
     }
+}
+
+/// Whether sky or sun are on.
+fn is_day(page: &Page<'_>) -> bool {
+    let outdoors = page.scene.outdoors.as_ref();
+    outdoors.is_some_and(|outdoors| {
+        [outdoors.sky, outdoors.sun].iter().any(|&lamp| {
+            page.lighting.lamps.get(lamp as usize).is_some_and(|state| state.output() != [0.0; 3])
+        })
+    })
 }
 
 fn verdict([lux, uniformity]: [bool; 2]) -> String {

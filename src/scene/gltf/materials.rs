@@ -3,7 +3,7 @@
 //! What a surface reflects in all is its base colour, whether it is a metal or not. Emission counts in cd/m², as
 //! KHR_materials_emissive_strength says.
 
-use super::{File, accessor, is_data, resource};
+use super::{File, accessor, is_data, plain_name, resource};
 use crate::glazing::{Glazing, WINDOW_GLASS, greatest_transmittance};
 use crate::scene::error::SceneError;
 use crate::scene::finding::{Finding, FindingKind, Severity};
@@ -66,6 +66,8 @@ impl Placement {
 pub(super) struct Painted {
     /// For each material of the file, how its image lies.
     pub(super) placements: Vec<Option<Placement>>,
+    /// For each, whether it glows and is double-sided.
+    pub(super) double_sided: Vec<bool>,
 }
 
 /// Reads all materials, and one more for faces without: the last.
@@ -79,7 +81,7 @@ pub(super) fn read(file: &File<'_>, model: &mut Model, watch: &mut Watch<'_>) ->
         taken: HashSet::new(),
         brightest: 0.0,
     };
-    let mut painted = Painted { placements: Vec::new() };
+    let mut painted = Painted { placements: Vec::new(), double_sided: Vec::new() };
     let count = file.document.materials().count();
     for (k, given) in file.document.materials().enumerate() {
         watch.done(k as f64 / count as f64)?;
@@ -87,11 +89,13 @@ pub(super) fn read(file: &File<'_>, model: &mut Model, watch: &mut Watch<'_>) ->
         model.materials.list.push(material);
         model.materials.exitance.push(exitance);
         painted.placements.push(placement);
+        painted.double_sided.push(given.double_sided() && exitance != [0.0; 3]);
     }
     watch.done(1.0)?;
     model.materials.list.push(Material::plain(NO_MATERIAL, DEFAULT_REFLECTANCE));
     model.materials.exitance.push([0.0; 3]);
     painted.placements.push(None);
+    painted.double_sided.push(false);
     if reader.brightest > 0.0 && reader.brightest < FAINT {
         let message = format!(
             "what glows in the model is as bright as {:.3} cd/m² at most, fainter than any lamp; glTF counts emission in \
@@ -133,8 +137,8 @@ struct Reader<'a> {
 
 impl Reader<'_> {
     fn read(&mut self, given: &Given<'_>, number: usize) -> (Material, [f64; 3], Option<Placement>) {
-        let name = match given.name().map(str::trim).filter(|name| !name.is_empty()) {
-            Some(name) => names::unique(name, &mut self.taken),
+        let name = match given.name().map(plain_name).filter(|name| !name.is_empty()) {
+            Some(name) => names::unique(&name, &mut self.taken),
             None => names::unique(&format!("material {}", number + 1), &mut self.taken),
         };
         let mut material = Material::plain(&name, DEFAULT_REFLECTANCE);
@@ -249,7 +253,12 @@ impl Reader<'_> {
     /// Index of an image as it is used here, decoded on first use; the error is the reason in a few words.
     fn image(&mut self, texture: &Laid<'_>, opacity: Opacity) -> Result<u32, String> {
         let sampler = texture.sampler();
-        let clamped = [sampler.wrap_s(), sampler.wrap_t()] == [WrappingMode::ClampToEdge; 2];
+        let wraps = [sampler.wrap_s(), sampler.wrap_t()];
+        let clamped = wraps == [WrappingMode::ClampToEdge; 2];
+        if !clamped && wraps != [WrappingMode::Repeat; 2] {
+            let what = "images that are to be mirrored, or clamped along one axis alone, are repeated beyond their edges";
+            self.remark(Severity::Note, what, format!("'{}'", names::short(&self.name_of(source(texture)?))));
+        }
         let key = (source(texture)?, clamped, opacity);
         if let Some(known) = self.known.get(&key) {
             return known.clone();
@@ -262,7 +271,11 @@ impl Reader<'_> {
                     image.with_opacities(|alpha| f32::from(u8::from(alpha * factor >= limit)))
                 }
                 Opacity::Blended(bits) if image.has_alpha() => {
-                    image.with_opacities(|alpha| (alpha * f32::from_bits(bits)).clamp(0.0, 1.0))
+                    // In whole steps, as in a file: none of them is just half, by which pictures decide.
+                    let steps = f32::from(u8::MAX);
+                    image.with_opacities(|alpha| {
+                        (steps * (alpha * f32::from_bits(bits)).clamp(0.0, 1.0)).round() / steps
+                    })
                 }
                 Opacity::Blended(_) => image,
             };

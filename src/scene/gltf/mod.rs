@@ -16,7 +16,7 @@ use super::types::{FrameChoice, LengthUnit, UpAxis};
 use crate::watch::Watch;
 use ::gltf::{Document, buffer::Source};
 use data_url::DataUrl;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// Extensions that a file may require: what they say is read, or changes nothing that is.
 const KNOWN: [&str; 13] = [
@@ -70,6 +70,14 @@ impl Importer for Gltf {
         };
         let buffers = load(&document, blob, given, &mut model.files)?;
         watch.done(LOADED)?;
+        for image in document.images() {
+            if let ::gltf::image::Source::Uri { uri, .. } = image.source()
+                && !is_data(uri)
+            {
+                // Also those that are of no use here are files of the model.
+                model.files.extend(given.files.image(uri, Path::new(given.file)));
+            }
+        }
         let file = File { document: &document, buffers: &buffers, given };
         let painted = materials::read(&file, &mut model, &mut watch.part(LOADED, PICTURED))?;
         nodes::read(&file, painted, &mut model, &mut watch.part(PICTURED, 1.0))?;
@@ -172,6 +180,12 @@ fn load(
         buffers.push(bytes);
     }
     Ok(buffers)
+}
+
+/// A name that can stand in a line of text and at its end.
+fn plain_name(name: &str) -> String {
+    let one_line: String = name.chars().map(|c| if c.is_control() { ' ' } else { c }).collect();
+    one_line.trim().trim_end_matches('\\').trim().to_owned()
 }
 
 fn is_data(address: &str) -> bool {

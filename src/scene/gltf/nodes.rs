@@ -1,8 +1,8 @@
 //! The nodes of a scene (glTF 2.0, section 3.5) with their meshes, lights and cameras, in the coordinates of the file.
 
-use super::File;
 use super::accessor::{indices, numbers};
 use super::materials::Painted;
+use super::{File, plain_name};
 use crate::scene::corner_colours::{self, FaceColours, say_something};
 use crate::scene::error::SceneError;
 use crate::scene::finding::{Finding, FindingKind, Severity};
@@ -19,7 +19,7 @@ use ::gltf::mesh::{Mode, Primitive};
 use ::gltf::scene::Transform;
 use ::gltf::{Node, Semantic};
 use glam::{DMat3, DMat4, DQuat, DVec2, DVec3};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, HashMap};
 use std::f64::consts::FRAC_PI_2;
 
 /// Triangles made between two looks at whether to go on.
@@ -89,8 +89,8 @@ fn total(file: &File<'_>) -> usize {
 fn name_of(node: &Node<'_>) -> String {
     let mesh = node.mesh();
     let named = node.name().or_else(|| mesh.as_ref().and_then(|mesh| mesh.name()));
-    match named.map(str::trim).filter(|name| !name.is_empty()) {
-        Some(name) => name.to_owned(),
+    match named.map(plain_name).filter(|name| !name.is_empty()) {
+        Some(name) => name,
         None => format!("node {}", node.index() + 1),
     }
 }
@@ -175,10 +175,32 @@ impl Reader<'_, '_> {
                 None => self.miss("points and lines have no area and are not read"),
             }
         }
+        self.shine_both_ways(object, before);
         if self.model.polygons.faces.len() > before {
             self.model.polygons.given_objects.push(name_of(node));
         }
         Ok(())
+    }
+
+    /// Notes which materials of the faces of an object, from this one on, glow to both sides: those that are double-sided,
+    /// where they are sheets and no bodies, whose inside nobody sees.
+    fn shine_both_ways(&mut self, object: u32, first: usize) {
+        let mut edges: BTreeMap<u32, HashMap<[u32; 2], usize>> = BTreeMap::new();
+        for face in &self.model.polygons.faces[first..] {
+            if !self.painted.double_sided[face.material as usize] {
+                continue;
+            }
+            let ring: Vec<u32> = face.corners.iter().map(|corner| corner.0).collect();
+            let own = edges.entry(face.material).or_default();
+            for k in 0..ring.len() {
+                let [a, b] = [ring[k], ring[(k + 1) % ring.len()]];
+                *own.entry([a.min(b), a.max(b)]).or_default() += 1;
+            }
+        }
+        let is_sheet = |edges: &HashMap<[u32; 2], usize>| edges.values().any(|faces| *faces == 1);
+        let sheets =
+            edges.iter().filter(|(_, edges)| is_sheet(edges)).map(|(material, _)| (object, *material));
+        self.model.both_ways.extend(sheets);
     }
 
     fn miss(&mut self, what: &'static str) {
@@ -329,9 +351,9 @@ impl Reader<'_, '_> {
             self.miss("lights without light are left out");
             return;
         }
-        let name = node.name().or(light.name()).map(str::trim).filter(|name| !name.is_empty());
+        let name = node.name().or(light.name()).map(plain_name).filter(|name| !name.is_empty());
         self.model.lights.push(BareLight {
-            name: name.map_or_else(|| format!("light {}", self.model.lights.len() + 1), str::to_owned),
+            name: name.unwrap_or_else(|| format!("light {}", self.model.lights.len() + 1)),
             position: placed.transform_point3(DVec3::ZERO),
             aim: forward(placed),
             colour,
@@ -344,10 +366,10 @@ impl Reader<'_, '_> {
         let Some(camera) = node.camera() else { return };
         match camera.projection() {
             Projection::Perspective(lens) => {
-                let name = node.name().or(camera.name()).map(str::trim).filter(|name| !name.is_empty());
+                let name = node.name().or(camera.name()).map(plain_name).filter(|name| !name.is_empty());
                 let number = self.model.views.len() + 1;
                 self.model.views.push(ModelView {
-                    name: name.map_or_else(|| format!("camera {number}"), str::to_owned),
+                    name: name.unwrap_or_else(|| format!("camera {number}")),
                     eye: placed.transform_point3(DVec3::ZERO),
                     forward: forward(placed),
                     fov_y_deg: f64::from(lens.yfov()).to_degrees(),
@@ -376,7 +398,7 @@ impl Reader<'_, '_> {
             }
             let mut template = model.materials.list[material].clone();
             template.name = match material == of_none {
-                true => "Colours of corners".to_owned(),
+                true => corner_colours::NAME.to_owned(),
                 false => format!("{} (colours of corners)", template.name),
             };
             let exitance = model.materials.exitance[material];

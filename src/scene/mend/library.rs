@@ -1,7 +1,7 @@
 //! A material library for a copy of a model that came without one: OBJ is written, whatever was read.
 
 use crate::scene::textures::linear_to_srgb;
-use crate::scene::types::{Scene, Texture};
+use crate::scene::types::{Material, Scene, Texture};
 use std::collections::HashSet;
 use std::f64::consts::PI;
 use std::fmt::Write as _;
@@ -18,12 +18,20 @@ pub struct CopiedImage {
     pub rgba: Vec<u8>,
 }
 
-/// The library of a scene's own materials and the images that it names, for a copy at this path.
-pub(super) fn made(scene: &Scene, copy: &Path) -> (String, Vec<CopiedImage>) {
+/// The library of those of a scene's own materials that are asked for, and the images that they name, for a copy at this path.
+pub(super) fn made(
+    scene: &Scene,
+    copy: &Path,
+    wanted: impl Fn(&Material) -> bool,
+) -> (String, Vec<CopiedImage>) {
     let stem = copy.file_stem().unwrap_or_default().to_string_lossy();
+    // A blank at the beginning would be none in a statement.
+    let stem = stem.trim();
+    let mut used: HashSet<u32> = HashSet::new();
     let name_of = |texture: u32| format!("{stem}-{}.png", texture + 1);
     let mut text = String::new();
-    for (number, material) in (0_u32..).zip(scene.own_materials()) {
+    for (number, material) in (0_u32..).zip(scene.own_materials()).filter(|(_, material)| wanted(material)) {
+        used.extend(material.texture);
         let _ = writeln!(text, "newmtl {}", material.name);
         let mut line = |statement: &str, values: [f64; 3]| {
             let _ = writeln!(text, "{statement} {} {} {}", values[0], values[1], values[2]);
@@ -42,7 +50,6 @@ pub(super) fn made(scene: &Scene, copy: &Path) -> (String, Vec<CopiedImage>) {
             let _ = writeln!(text, "map_Kd {clamped}{}", name_of(texture));
         }
     }
-    let used: HashSet<u32> = scene.own_materials().iter().filter_map(|material| material.texture).collect();
     let image = |(number, texture): (u32, &Texture)| CopiedImage {
         name: name_of(number),
         size: [texture.width, texture.height],

@@ -2,7 +2,6 @@
 
 use super::library::{self, CopiedImage};
 use crate::encoding::decode;
-use crate::scene::builtin;
 use crate::scene::error::SceneError;
 use crate::scene::import::sidecar_path;
 use crate::scene::library::{Block, Library, open};
@@ -16,6 +15,7 @@ use crate::scene::sidecar_write::sidecar_text;
 use crate::scene::sides::partners;
 use crate::scene::text::{keyword, logical_lines};
 use crate::scene::types::{Scene, SceneSource, Surface};
+use crate::scene::{builtin, corner_colours};
 use std::collections::HashMap;
 use std::fmt::Write as _;
 use std::path::{Component, Path, PathBuf};
@@ -64,6 +64,10 @@ pub(super) fn originals(scene: &Scene, copy: &Path) -> Result<Originals, SceneEr
         originals.take_library(&found, scene, folder, copy.parent().unwrap_or(Path::new("")))?;
         originals.sources.push(found.path);
     }
+    // What the colours of corners were made into is in no library.
+    let (mtl, images) = library::made(scene, copy, |material| material.name == corner_colours::NAME);
+    originals.mtl += &mtl;
+    originals.images = images;
     let sidecar = sidecar_path(path);
     if sidecar.exists() {
         let given = text(&sidecar)?;
@@ -80,7 +84,7 @@ fn bytes_of(path: &Path) -> Result<Vec<u8>, SceneError> {
 
 /// What a copy of a model takes over that is no OBJ.
 fn of_others(scene: &Scene, path: &Path, copy: &Path) -> Result<Originals, SceneError> {
-    let (mtl, images) = library::made(scene, copy);
+    let (mtl, images) = library::made(scene, copy, |_| true);
     let sidecar = sidecar_path(path);
     let existing = match sidecar.exists() {
         true => Some(decode(&bytes_of(&sidecar)?).into_owned()),
