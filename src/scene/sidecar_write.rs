@@ -4,8 +4,9 @@ use super::error::SceneError;
 use super::lamp_entry::LampEntry;
 use super::luminaires::selectors;
 use super::selection::lamps_of_entries;
-use super::sidecar::{LuminaireEntry, MaterialEntry, Sidecar, SidesKey, Source, UpKey, ViewEntry};
+use super::sidecar::{EmitsKey, LuminaireEntry, MaterialEntry, Sidecar, SidesKey, Source, UpKey, ViewEntry};
 use super::types::{LampState, LengthUnit, Lighting, Luminaire, Scene, Sides, UpAxis};
+use std::collections::HashSet;
 use std::io;
 use std::path::Path;
 use toml::Spanned;
@@ -78,8 +79,13 @@ pub fn sidecar_text(
             sidecar.luminaires.push(entry);
         }
     }
-    for ((objects, materials), lamp) in selectors.into_iter().zip(lamps).skip(known) {
+    let both: HashSet<u32> =
+        scene.surfaces.iter().filter(|s| s.emits_back).filter_map(|surface| surface.luminaire).collect();
+    for (number, ((objects, materials), lamp)) in (0_u32..).zip(selectors.into_iter().zip(lamps)).skip(known)
+    {
         let mut entry = new_entry(objects, materials);
+        // A copy in another format would not know.
+        entry.emits = both.contains(&number).then_some(EmitsKey::Both);
         set_lamp(&mut entry, lamp);
         sidecar.luminaires.push(unplaced(entry));
     }

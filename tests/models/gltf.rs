@@ -305,6 +305,11 @@ fn double_sided_sheets_glow_to_both_sides_and_bodies_outwards() {
     assert!(scene.surfaces.iter().all(|surface| surface.emits_back == surface.luminaire.is_some()));
     let lumens = scene::lumens(&scene)[0][0];
     assert!((lumens / (2.0 * 0.36 * LUMINANCE * PI) - 1.0).abs() < 1e-5, "{lumens}");
+    // So they do in a copy, whose format does not know of sides.
+    std::fs::create_dir(place.path("copy")).unwrap();
+    place.succeed(&["check", "sheet.glb", "--repair", "copy/sheet.obj"]);
+    let copied = scene::lumens(&read(&place, "copy/sheet.obj"))[0][0];
+    assert!((copied / lumens - 1.0).abs() < 1e-5, "{copied} lm of {lumens}");
     // The walls, floor and ceiling are a closed body.
     let mut gltf = Gltf::new();
     let glow = gltf.push("materials", material("glow", 0.0));
