@@ -159,13 +159,7 @@ fn write(path: &Path, text: &str) -> Result<(), Failure> {
 /// Which rooms have what their use asks for, a line each.
 fn verdicts(page: &Page<'_>, target: &Target) -> String {
     let line = |plane: &crate::outputs::LitPlane| {
-        let [lux, uniformity] = target.met(&plane.report);
-        let verdict = match (lux, uniformity) {
-            (true, true) => "met",
-            (false, true) => "too dark",
-            (true, false) => "too uneven",
-            (false, false) => "too dark and too uneven",
-        };
+        let verdict = target.verdict(&plane.report);
         format!(
             "{}: {verdict} for EN 12464-1:2011, {} ({} lx, U0 {:.2})\n",
             plane.report.name, target.clause, target.lux, target.uniformity

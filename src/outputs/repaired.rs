@@ -24,7 +24,7 @@ pub enum RepairError {
 }
 
 /// Writes a mended copy of a model (see [`mend`]): `copy`, and beside it its library and, where the
-/// model has one, its sidecar, and images where they stood within the model. Each file is written beside its place and
+/// model has one, its sidecar, and images where they stood within the model. Each is written to a temporary file,
 /// then renamed, the OBJ last.
 ///
 /// # Errors

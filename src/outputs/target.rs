@@ -51,6 +51,16 @@ impl Target {
         TARGETS.into_iter().find(|target| target.key == key)
     }
 
+    /// What is to be said of a room.
+    pub fn verdict(&self, plane: &WorkPlaneReport) -> &'static str {
+        match self.met(plane) {
+            [true, true] => "met",
+            [false, true] => "too dark",
+            [true, false] => "too uneven",
+            [false, false] => "too dark and uneven",
+        }
+    }
+
     /// Whether a room has the mean illuminance, and whether it has the uniformity.
     pub fn met(&self, plane: &WorkPlaneReport) -> [bool; 2] {
         // What is told with three digits is not to fail by the fourth.

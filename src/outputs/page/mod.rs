@@ -122,7 +122,7 @@ fn rooms(out: &mut String, page: &Page<'_>) {
                 cells.push(factor.map_or_else(String::new, |df| format!("{} %", significant(df.mean))));
             }
             if let Some(target) = page.target {
-                cells.push(verdict(target.met(&plane.report)));
+                cells.push(verdict(&target, plane));
             }
             row(&cells, 2)
         })
@@ -156,13 +156,9 @@ fn is_day(page: &Page<'_>) -> bool {
     })
 }
 
-fn verdict([lux, uniformity]: [bool; 2]) -> String {
-    match (lux, uniformity) {
-        (true, true) => "<span class=\"met\">met</span>".to_owned(),
-        (false, true) => "<span class=\"missed\">too dark</span>".to_owned(),
-        (true, false) => "<span class=\"missed\">too uneven</span>".to_owned(),
-        (false, false) => "<span class=\"missed\">too dark and uneven</span>".to_owned(),
-    }
+fn verdict(target: &Target, plane: &LitPlane) -> String {
+    let class = if target.met(&plane.report) == [true, true] { "met" } else { "missed" };
+    format!("<span class=\"{class}\">{}</span>", target.verdict(&plane.report))
 }
 
 fn pictures(out: &mut String, page: &Page<'_>) {
