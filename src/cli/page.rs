@@ -1,9 +1,8 @@
 use super::budget;
 use super::failure::Failure;
-use super::lamps::{self, LampOptions};
-use super::options::{self, FrameOptions, SolveOptions};
+use super::options;
 use super::picture::{self, Studio};
-use super::solve;
+use super::solve::{self, LitOptions};
 use super::text;
 use super::work_planes::Grids;
 use super::written::Written;
@@ -40,23 +39,7 @@ pub(super) struct Arguments {
     #[arg(long, value_name = "WxH", value_parser = options::size)]
     size: Option<[u32; 2]>,
     #[command(flatten)]
-    frame: FrameOptions,
-    #[command(flatten)]
-    options: SolveOptions,
-    #[command(flatten)]
-    lamps: LampOptions,
-    /// Switch this lamp on (may be repeated)
-    #[arg(long, value_name = "NAME")]
-    on: Vec<String>,
-    /// Switch this lamp off (may be repeated)
-    #[arg(long, value_name = "NAME")]
-    off: Vec<String>,
-    /// Dim this lamp to a share from 0 to 1 of its full output (may be repeated)
-    #[arg(long, value_name = "NAME=SHARE", value_parser = options::dimming)]
-    dim: Vec<(String, f64)>,
-    /// Light it by this sky, or by that of its sidecar with these keys changed: as in "date=2026-06-21 time=14:30"
-    #[arg(long, value_name = "KEY=VALUE ...")]
-    daylight: Option<String>,
+    lit: LitOptions,
 }
 
 fn uses() -> impl clap::builder::TypedValueParser<Value = Target> {
@@ -69,21 +52,16 @@ fn uses() -> impl clap::builder::TypedValueParser<Value = Target> {
 
 pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
     let start = Instant::now();
-    arguments.options.set_threads()?;
-    let scene = solve::load(&arguments.scene, &arguments.frame, arguments.lamps)?;
-    let scene = match &arguments.daylight {
-        Some(text) => Arc::new(solve::under_sky(&scene, text)?),
-        None => scene,
-    };
+    arguments.lit.options.set_threads()?;
+    let scene = arguments.lit.scene(&arguments.scene)?;
     if scene.luminaires.is_empty() {
         return Err(Failure::input(format!(
             "{} has no lamps and no sky, so there is no light to write up; add --ceiling-lamps or --daylight",
             scene.name
         )));
     }
-    let settings = arguments.options.settings(scene.unit)?;
-    let lighting = lamps::lighting(&scene, &arguments.on, &arguments.off, &arguments.dim)?;
-    lamps::tell_darkness(&scene, &lighting);
+    let settings = arguments.lit.options.settings(scene.unit)?;
+    let lighting = arguments.lit.lighting(&scene)?;
     let folder = &arguments.out;
     std::fs::create_dir_all(folder)
         .map_err(|error| Failure::input(format!("{}: {error}", folder.display())))?;

@@ -25,17 +25,13 @@ use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
 use std::time::Instant;
 
-/// Compute the light of a scene without a window, and write pictures and tables
+/// How a scene is read, lit and solved.
 #[derive(Args, Debug)]
-#[command(group = ArgGroup::new("pictures").args(["image", "tour"]).multiple(true))]
-pub(super) struct Arguments {
-    /// A model (OBJ, glTF, GLB, PLY), or builtin:NAME
-    #[arg(value_name = "SCENE")]
-    scene: String,
+pub(super) struct LitOptions {
     #[command(flatten)]
     frame: FrameOptions,
     #[command(flatten)]
-    options: SolveOptions,
+    pub(super) options: SolveOptions,
     #[command(flatten)]
     lamps: LampOptions,
     /// Switch this lamp on (may be repeated)
@@ -50,6 +46,41 @@ pub(super) struct Arguments {
     /// Light it by this sky, or by that of its sidecar with these keys changed: as in "date=2026-06-21 time=14:30"
     #[arg(long, value_name = "KEY=VALUE ...")]
     daylight: Option<String>,
+}
+
+impl LitOptions {
+    /// The scene of this name, under the sky that is asked for.
+    ///
+    /// # Errors
+    /// As [`load`], and a sky that cannot be.
+    pub(super) fn scene(&self, name: &str) -> Result<Arc<Scene>, Failure> {
+        let scene = load(name, &self.frame, self.lamps)?;
+        match &self.daylight {
+            Some(text) => Ok(Arc::new(under_sky(&scene, text)?)),
+            None => Ok(scene),
+        }
+    }
+
+    /// Its lamps as they are switched; says so where none of them gives light.
+    ///
+    /// # Errors
+    /// A name that no lamp has.
+    pub(super) fn lighting(&self, scene: &Scene) -> Result<Lighting, Failure> {
+        let lighting = lamps::lighting(scene, &self.on, &self.off, &self.dim)?;
+        lamps::tell_darkness(scene, &lighting);
+        Ok(lighting)
+    }
+}
+
+/// Compute the light of a scene without a window, and write pictures and tables
+#[derive(Args, Debug)]
+#[command(group = ArgGroup::new("pictures").args(["image", "tour"]).multiple(true))]
+pub(super) struct Arguments {
+    /// A model (OBJ, glTF, GLB, PLY), or builtin:NAME
+    #[arg(value_name = "SCENE")]
+    scene: String,
+    #[command(flatten)]
+    lit: LitOptions,
     /// Look from this bookmark [default: the scene's start view]
     #[arg(long, value_name = "NAME", requires = "image", conflicts_with = "eye")]
     view: Option<String>,
@@ -218,16 +249,11 @@ pub(super) fn start_view(scene: &Scene) -> Result<View, Failure> {
 pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
     let start = Instant::now();
     let kind = arguments.image.as_deref().map(picture::kind_of).transpose()?;
-    arguments.options.set_threads()?;
-    let scene = load(&arguments.scene, &arguments.frame, arguments.lamps)?;
-    let scene = match &arguments.daylight {
-        Some(text) => Arc::new(under_sky(&scene, text)?),
-        None => scene,
-    };
+    arguments.lit.options.set_threads()?;
+    let scene = arguments.lit.scene(&arguments.scene)?;
     let load_seconds = start.elapsed().as_secs_f64();
-    let settings = arguments.options.settings(scene.unit)?;
-    let lighting = lamps::lighting(&scene, &arguments.on, &arguments.off, &arguments.dim)?;
-    lamps::tell_darkness(&scene, &lighting);
+    let settings = arguments.lit.options.settings(scene.unit)?;
+    let lighting = arguments.lit.lighting(&scene)?;
     let view = arguments.view(&scene)?;
     let points = arguments.points.as_deref().map(read_points).transpose()?;
     let grids = arguments.work_plane.map(|height| Grids::new(&scene, height)).transpose()?;
@@ -322,7 +348,7 @@ pub(super) fn run(arguments: &Arguments) -> Result<(), Failure> {
 }
 
 /// The scene under the sky of its sidecar with what the text says changed.
-pub(super) fn under_sky(scene: &Scene, text: &str) -> Result<Scene, Failure> {
+fn under_sky(scene: &Scene, text: &str) -> Result<Scene, Failure> {
     let own = scene.outdoors.as_ref().map(|outdoors| outdoors.choice.clone()).unwrap_or_default();
     let choice = own.changed(text).map_err(|error| Failure::input(format!("--daylight: {error}")))?;
     Ok(scene.with_daylight(Some(&choice))?)
